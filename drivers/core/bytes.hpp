@@ -28,7 +28,7 @@ using ByteBuffer = std::vector<std::uint8_t>;
 }
 
 template <class T>
-concept WireScalar = (std::integral<T> || std::floating_point<T>) && sizeof(T) <= 8;
+concept WireScalar = (std::integral<T> || std::floating_point<T>)&&sizeof(T) <= 8;
 
 namespace detail {
 template <std::size_t N>
@@ -74,8 +74,8 @@ void store(MutableBytes to, T value) noexcept {
   }
 }
 
-/// Reads scalars one after another. A read beyond the end yields zero and makes `ok()` false for good, so that
-/// a parser may read a whole layout and ask once.
+/// Reads scalars one after another. A read beyond the end yields zero and makes `ok()` false for good, so
+/// that a parser may read a whole layout and ask once.
 template <std::endian Order>
 class Reader {
  public:
@@ -119,7 +119,8 @@ class Reader {
   bool ok_ = true;
 };
 
-/// Writes scalars one after another into a fixed buffer. A write beyond the end is dropped and makes `ok()` false.
+/// Writes scalars one after another into a fixed buffer. A write beyond the end is dropped and makes `ok()`
+/// false.
 template <std::endian Order>
 class Writer {
  public:

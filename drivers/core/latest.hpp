@@ -12,12 +12,12 @@ namespace motionlab {
 
 /// Hands the newest value of one thread to others without a lock.
 ///
-/// The writer fills the next of four slots and then names it; a reader copies the named slot and checks that the
-/// writer has not come round to it meanwhile. A reader repeats only when it was overtaken by three whole writes
-/// while copying, and gives up after a few such rounds (it then has nothing new to say).
-/// Before the first write `read` yields nothing. Words are atomic, so that the race detector agrees.
+/// The writer fills the next of four slots and then names it; a reader copies the named slot and checks that
+/// the writer has not come round to it meanwhile. A reader repeats only when it was overtaken by three whole
+/// writes while copying, and gives up after a few such rounds (it then has nothing new to say). Before the
+/// first write `read` yields nothing. Words are atomic, so that the race detector agrees.
 template <class T>
-  requires std::is_trivially_copyable_v<T>
+requires std::is_trivially_copyable_v<T>
 class Latest {
  public:
   /// Publishes a value. One thread only. Wait-free.

@@ -1,10 +1,13 @@
-/// @file  Transports behind one interface: the Boost.Asio network (real sockets) and the memory network (lockstep,
-/// pair tests) are interchangeable. Who feeds bytes to a driver or a device is decided by the assembly alone.
+/// @file  Transports behind one interface: the Boost.Asio network (real sockets) and the memory network
+/// (lockstep, pair tests) are interchangeable. Who feeds bytes to a driver or a device is decided by the
+/// assembly alone.
 ///
-/// Everything here is used from one thread, the one that runs the network. Handlers are called on that thread,
-/// never from inside `send`.
+/// Everything here is used from one thread, the one that runs the network. Handlers are called on that
+/// thread, never from inside `send`.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string_view>
@@ -16,11 +19,29 @@
 
 namespace motionlab {
 
+/// No datagram over IPv4 is longer.
+inline constexpr std::size_t kDatagramBytesMax = 65507;
+/// What a stream queues for a peer that does not take it; a `send` beyond is refused whole.
+inline constexpr std::size_t kStreamQueueBytesMax = std::size_t{1} << 20;
+/// After this a peer that does not answer has not been reached.
+inline constexpr Nanoseconds kConnectTimeout = 2s;
+
+/// Why a stream closed, in the words of `StreamEvents::on_closed`. Every network uses the same.
+namespace close_reason {
+inline constexpr std::string_view kRefused = "connection refused";
+inline constexpr std::string_view kTimedOut = "timed out";
+inline constexpr std::string_view kClosedByPeer = "closed by the peer";
+inline constexpr std::string_view kReset = "connection reset";
+inline constexpr std::string_view kUnreachable = "host unreachable";
+inline constexpr std::string_view kLocalAddress = "the local address is in use or not on this machine";
+}  // namespace close_reason
+
 /// Where datagrams go. What a driver or a device that speaks UDP is given.
 class DatagramOut {
  public:
   virtual ~DatagramOut() = default;
-  /// Sends one datagram, whole or not at all. A fault is counted by the caller; nothing is queued or repeated.
+  /// Sends one datagram, whole or not at all. A fault is counted by the caller; nothing is queued or
+  /// repeated.
   virtual Status send(Endpoint to, Bytes datagram) = 0;
 };
 
@@ -39,9 +60,11 @@ class DatagramSocket : public DatagramOut {
 class StreamOut {
  public:
   virtual ~StreamOut() = default;
-  /// Begins to connect; `on_open` or `on_closed` follows. A stream that is already open is closed first, silently.
+  /// Begins to connect; `on_open` or `on_closed` follows. A stream that is already open is closed first,
+  /// silently.
   virtual void open() = 0;
-  /// Queues bytes behind those not yet sent. A fault when not open, or when the peer has not taken the last 1 MiB.
+  /// Queues bytes behind those not yet sent. A fault when not open, or when the peer has not taken the last 1
+  /// MiB.
   virtual Status send(Bytes bytes) = 0;
   /// Closes. No further handler is called until the next `open`.
   virtual void close() = 0;

@@ -1,5 +1,5 @@
-/// @file  `Result<T>`: a value or a fault that says why and what to do. For everything that runs after start-up;
-/// start-up itself throws (see error.hpp).
+/// @file  `Result<T>`: a value or a fault that says why and what to do. For everything that runs after
+/// start-up; start-up itself throws (see error.hpp).
 #pragma once
 
 #include <cassert>
@@ -12,30 +12,31 @@ namespace motionlab {
 
 /// Why a piece of input was refused. Each reason is one counter on `motionlab/health`.
 enum class Reason : std::uint8_t {
-  too_short,        ///< fewer bytes than the layout needs
-  too_long,         ///< more bytes than the layout has
-  bad_header,       ///< wrong magic, type, length field, version or token
-  bad_checksum,     ///< checksum policy is `enforce` and it did not match
-  bad_value,        ///< not finite, or outside what the device can mean
-  foreign,          ///< from an address that is not the device's
-  duplicate,        ///< seen before
-  out_of_order,     ///< older than what was accepted
-  unexpected,       ///< well-formed, but not an answer to anything we asked
-  refused,          ///< the device said no
-  transport,        ///< the socket said no
-  count_            ///< number of reasons
+  too_short,     ///< fewer bytes than the layout needs
+  too_long,      ///< more bytes than the layout has
+  bad_header,    ///< wrong magic, type, length field, version or token
+  bad_checksum,  ///< checksum policy is `enforce` and it did not match
+  bad_value,     ///< not finite, or outside what the device can mean
+  foreign,       ///< from an address that is not the device's
+  duplicate,     ///< seen before
+  out_of_order,  ///< older than what was accepted
+  unexpected,    ///< well-formed, but not an answer to anything we asked
+  refused,       ///< the device said no
+  transport,     ///< the socket said no
+  count_         ///< number of reasons
 };
 
 inline constexpr std::size_t kReasonCount = static_cast<std::size_t>(Reason::count_);
 
 [[nodiscard]] constexpr std::string_view to_string(Reason reason) noexcept {
-  constexpr std::string_view names[] = {"too_short", "too_long",     "bad_header", "bad_checksum",
-                                        "bad_value", "foreign",      "duplicate",  "out_of_order",
-                                        "unexpected", "refused",     "transport"};
+  constexpr std::string_view names[] = {"too_short",  "too_long", "bad_header", "bad_checksum",
+                                        "bad_value",  "foreign",  "duplicate",  "out_of_order",
+                                        "unexpected", "refused",  "transport"};
   return reason < Reason::count_ ? names[static_cast<std::size_t>(reason)] : std::string_view{"?"};
 }
 
-/// A reason and one constant sentence that says what was wrong and what to do. Copies nothing, allocates nothing.
+/// A reason and one constant sentence that says what was wrong and what to do. Copies nothing, allocates
+/// nothing.
 struct Fault {
   Reason reason{};
   std::string_view text{};  ///< points at a string literal

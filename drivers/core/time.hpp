@@ -22,14 +22,20 @@ struct LabClock {
 using LabTime = LabClock::time_point;
 
 /// Seconds as a double, for mathematics.
-[[nodiscard]] constexpr double seconds(Nanoseconds d) noexcept { return 1e-9 * static_cast<double>(d.count()); }
+[[nodiscard]] constexpr double seconds(Nanoseconds d) noexcept {
+  return 1e-9 * static_cast<double>(d.count());
+}
 /// A duration from seconds, rounded to the nearest nanosecond.
 [[nodiscard]] constexpr Nanoseconds from_seconds(double s) noexcept {
   return Nanoseconds{static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5))};
 }
 /// The integer that travels on topics as `t_*_ns`.
-[[nodiscard]] constexpr std::int64_t to_ns(LabTime t) noexcept { return t.time_since_epoch().count(); }
-[[nodiscard]] constexpr LabTime from_ns(std::int64_t ns) noexcept { return LabTime{Nanoseconds{ns}}; }
+[[nodiscard]] constexpr std::int64_t to_ns(LabTime t) noexcept {
+  return t.time_since_epoch().count();
+}
+[[nodiscard]] constexpr LabTime from_ns(std::int64_t ns) noexcept {
+  return LabTime{Nanoseconds{ns}};
+}
 
 /// The one thing that knows the time.
 class Clock {
