@@ -1,0 +1,23 @@
+#include "simulators/plant/calibration.hpp"
+
+#include <Eigen/Geometry>
+
+#include "simulators/plant/random.hpp"
+
+namespace motionlab::plant {
+
+Calibration disturbed(const Calibration& published, double offset_m, double angle_rad, std::uint64_t seed) {
+  Random random(seed, "calibration");
+  const auto disturb = [&](math::RigidTransform& X) {
+    X.p += offset_m * random.direction();
+    X.R = X.R * Eigen::AngleAxisd(angle_rad, random.direction()).toRotationMatrix();
+  };
+  Calibration truth = published;
+  disturb(truth.em8000_to_comau);
+  disturb(truth.em8000_to_mru1);
+  disturb(truth.world_to_qtm);
+  disturb(truth.em1500_to_mru2);
+  return truth;
+}
+
+}  // namespace motionlab::plant
