@@ -11,10 +11,15 @@ foreach(HEADER IN LISTS MOTIONLAB_DEVICE_FOLDERS)
 endforeach()
 list(REMOVE_DUPLICATES MOTIONLAB_DEVICES)
 
+# Other people's libraries that a codec stands on: MOTIONLAB_EXTERNAL_wire_<device>.
+find_package(tinyxml2 REQUIRED)
+set(MOTIONLAB_EXTERNAL_wire_qualisys tinyxml2::tinyxml2)  # the lists of bodies are XML
+
 function(motionlab_add_wires)
   foreach(DEVICE IN LISTS MOTIONLAB_DEVICES)
     file(GLOB SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/drivers/${DEVICE}/${DEVICE}_wire*.cpp)
-    motionlab_library(wire_${DEVICE} LAYER 2 DIRECTORY drivers/${DEVICE} SOURCES ${SOURCES} LINKS core)
+    motionlab_library(wire_${DEVICE} LAYER 2 DIRECTORY drivers/${DEVICE} SOURCES ${SOURCES} LINKS core
+                      EXTERNAL ${MOTIONLAB_EXTERNAL_wire_${DEVICE}})
   endforeach()
 endfunction()
 
