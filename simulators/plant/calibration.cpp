@@ -2,15 +2,15 @@
 
 #include <Eigen/Geometry>
 
-#include "simulators/plant/random.hpp"
+#include "simulators/plant/noise.hpp"
 
 namespace motionlab::plant {
 
 Calibration disturbed(const Calibration& published, double offset_m, double angle_rad, std::uint64_t seed) {
   Random random(seed, "calibration");
   const auto disturb = [&](math::RigidTransform& X) {
-    X.p += offset_m * random.direction();
-    X.R = X.R * Eigen::AngleAxisd(angle_rad, random.direction()).toRotationMatrix();
+    X.p += offset_m * direction(random);
+    X.R = X.R * Eigen::AngleAxisd(angle_rad, direction(random)).toRotationMatrix();
   };
   Calibration truth = published;
   disturb(truth.em8000_to_comau);

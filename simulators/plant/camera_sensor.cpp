@@ -42,9 +42,9 @@ CameraSensor::Frame CameraSensor::sample(const math::RigidTransform& X_WL, const
 }
 
 BodyReading CameraSensor::see(Body& body, const math::RigidTransform& X_WB) {
-  Vector3d error = body.white_rms_m * random_.gaussian3();
+  Vector3d error = body.white_rms_m * normal3(random_);
   for (int i = 0; i < 3; ++i) error[i] += body.slow[static_cast<std::size_t>(i)].step(random_);
-  const Vector3d turn = config_.angle_noise_rms_rad * random_.gaussian3();
+  const Vector3d turn = config_.angle_noise_rms_rad * normal3(random_);
   const double chance = config_.dropouts_per_minute * config_.period_s / 60;
   const bool drops = random_.uniform() < chance;
   if (drops) body.hidden_frames = static_cast<int>(std::lround(config_.dropout_s / config_.period_s));

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "gateway/math/rotation.hpp"
-#include "simulators/plant/random.hpp"
+#include "simulators/plant/noise.hpp"
 
 namespace motionlab::plant {
 

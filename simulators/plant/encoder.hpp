@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "simulators/plant/arm_servo.hpp"
-#include "simulators/plant/random.hpp"
+#include "simulators/plant/noise.hpp"
 
 namespace motionlab::plant {
 

@@ -90,19 +90,19 @@ MruReading MruSensor::sample(const PlatformState& platform) {
   // What the gyros and the vertical say.
   MruReading r;
   const Vector3d roll_pitch_error(
-      roll_error_.step(random_) + config_.roll_pitch_white_rms_rad * random_.gaussian(),
-      pitch_error_.step(random_) + config_.roll_pitch_white_rms_rad * random_.gaussian(), 0);
-  yaw_error_rad_ += config_.yaw_walk_rad_per_sqrt_s * std::sqrt(config_.period_s) * random_.gaussian();
+      roll_error_.step(random_) + config_.roll_pitch_white_rms_rad * random_.normal(),
+      pitch_error_.step(random_) + config_.roll_pitch_white_rms_rad * random_.normal(), 0);
+  yaw_error_rad_ += config_.yaw_walk_rad_per_sqrt_s * std::sqrt(config_.period_s) * random_.normal();
   const Vector3d true_euler = math::to_euler(R_DM, math::EulerOrder::zyx);
   r.euler_rad = true_euler + roll_pitch_error;
   r.euler_rad.z() = wrapped(r.euler_rad.z() + yaw_error_rad_);
-  r.omega_M_radps = omega_M + config_.rate_noise_rms_radps * random_.gaussian3();
+  r.omega_M_radps = omega_M + config_.rate_noise_rms_radps * normal3(random_);
   const Matrix3d R_HM = math::rot_y(r.euler_rad.y()) * math::rot_x(r.euler_rad.x());
   const Matrix3d R_LH = math::rot_z(r.euler_rad.z());  // L: level, follows the drift of yaw only
   r.omega_down_radps = (R_HM * r.omega_M_radps).z();
 
   // What the accelerometers say, and how the unit carries it over to the platform's origin.
-  const Vector3d noise = config_.acceleration_noise_rms_mps2 * random_.gaussian3();
+  const Vector3d noise = config_.acceleration_noise_rms_mps2 * normal3(random_);
   const Vector3d& lever = config_.lever_to_origin_m;
   const Vector3d over_M = alpha_M.cross(lever) + r.omega_M_radps.cross(r.omega_M_radps.cross(lever));
   const Vector3d a_unit_H = R_HM * (force_M + noise) + gravity_D;

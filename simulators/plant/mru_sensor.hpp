@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "gateway/math/rotation.hpp"
+#include "simulators/plant/noise.hpp"
 #include "simulators/plant/platform.hpp"
-#include "simulators/plant/random.hpp"
 #include "simulators/plant/second_order.hpp"
 
 namespace motionlab::plant {

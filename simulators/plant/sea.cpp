@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulators/plant/random.hpp"
+#include "drivers/core/random.hpp"
 
 namespace motionlab::plant {
 
