@@ -1,0 +1,416 @@
+#include "gateway/bus/dds_bus.hpp"
+
+#include <ifaddrs.h>
+#include <netdb.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+
+#include "gateway/bus/qos.hpp"
+#include "gateway/bus/type_support.hpp"
+
+namespace motionlab::bus {
+namespace {
+
+namespace fast = eprosima::fastdds::dds;
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+constexpr int kMaxDomain = 232;               // beyond it the port numbers end
+constexpr std::size_t kTakenAtOnce = 256;     // of one topic, so that a flood leaves the others their turn
+constexpr Nanoseconds kLongestSleep = 100ms;  // of the bus thread
+
+struct AtomicCounters {
+  using Count = std::atomic<std::uint64_t>;
+  Count written{0}, write_failed{0}, taken{0}, refused_instance{0};
+  Count deadline_missed{0}, liveliness_lost{0}, incompatible_qos{0};
+  std::array<Count, static_cast<std::size_t>(Refusal::count_)> refused{};
+
+  static void add(Count& count, std::uint64_t n = 1) noexcept {
+    count.fetch_add(n, std::memory_order_relaxed);
+  }
+};
+
+/// One topic that is carried in one direction. Also the listener, and thus alive until the endpoints are
+/// deleted.
+class Link {
+ public:
+  virtual ~Link() = default;
+  /// Moves what there is to move. The bus thread.
+  virtual std::size_t run(SteadyTime now) = 0;
+  /// When `run` wants to be called without having been rung for.
+  [[nodiscard]] virtual SteadyTime due() const noexcept { return SteadyTime::max(); }
+  [[nodiscard]] virtual std::uint64_t lost() const noexcept { return 0; }
+  [[nodiscard]] std::size_t matched() const noexcept {
+    return static_cast<std::size_t>(std::max(matched_.load(std::memory_order_relaxed), 0));
+  }
+
+ protected:
+  std::atomic<int> matched_{0};
+};
+
+template <class T>
+class Out final : public Link, private fast::DataWriterListener {
+ public:
+  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters)
+      : counters_{counters}, samples_{local.subscribe<T>(kPaced ? nullptr : wakeup)} {}
+
+  bool create(fast::Publisher& publisher, fast::Topic& topic, const TopicShape& shape) {
+    writer_ = publisher.create_datawriter(&topic, writer_qos(shape), this);
+    return writer_ != nullptr;
+  }
+
+  std::size_t run(SteadyTime now) override {
+    std::size_t count = 0;
+    if constexpr (kPaced) {
+      if (now < due_) return 0;
+      due_ += std::max<Nanoseconds>(kPeriod, now - due_ - kPeriod);
+      bool any = false;
+      while (const auto sample = samples_.next()) {
+        carried_.sample = *sample;
+        any = true;
+      }
+      if (any) count += write();
+    } else {
+      while (const auto sample = samples_.next()) {
+        carried_.sample = *sample;
+        count += write();
+      }
+    }
+    return count;
+  }
+
+  [[nodiscard]] SteadyTime due() const noexcept override { return kPaced ? due_ : SteadyTime::max(); }
+  [[nodiscard]] std::uint64_t lost() const noexcept override { return samples_.lost(); }
+
+ private:
+  static constexpr bool kPaced = TopicTraits<T>::paced;
+  static constexpr Nanoseconds kPeriod = from_seconds(TopicTraits<T>::period_s);
+
+  std::size_t write() {
+    const bool written = writer_->write(&carried_);
+    AtomicCounters::add(written ? counters_.written : counters_.write_failed);
+    return written ? 1 : 0;
+  }
+
+  void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
+    matched_.store(status.current_count, std::memory_order_relaxed);
+  }
+  void on_offered_deadline_missed(fast::DataWriter*, const fast::OfferedDeadlineMissedStatus&) override {
+    AtomicCounters::add(counters_.deadline_missed);
+  }
+  void on_offered_incompatible_qos(fast::DataWriter*, const fast::OfferedIncompatibleQosStatus&) override {
+    AtomicCounters::add(counters_.incompatible_qos);
+  }
+
+  AtomicCounters& counters_;
+  Subscription<T> samples_;
+  fast::DataWriter* writer_ = nullptr;
+  Carried<T> carried_;
+  SteadyTime due_ = std::chrono::steady_clock::now();
+};
+
+template <class T>
+class In final : public Link, private fast::DataReaderListener {
+ public:
+  In(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters)
+      : counters_{counters}, wakeup_{wakeup}, publisher_{local.advertise<T>()} {}
+
+  bool create(fast::Subscriber& subscriber, fast::Topic& topic, const TopicShape& shape) {
+    reader_.store(subscriber.create_datareader(&topic, reader_qos(shape), this));
+    return reader_ != nullptr;
+  }
+
+  std::size_t run(SteadyTime) override {
+    if (!arrived_.exchange(false, std::memory_order_acq_rel)) return 0;
+    std::size_t count = 0;
+    fast::SampleInfo info;
+    for (std::size_t n = 0; n < kTakenAtOnce; ++n) {
+      if (reader_.load()->take_next_sample(&carried_, &info) != ReturnCode_t::RETCODE_OK) return count;
+      if (!info.valid_data) continue;  // a writer has left
+      if (carried_.refusal != Refusal::none) {
+        AtomicCounters::add(counters_.refused[static_cast<std::size_t>(carried_.refusal)]);
+      } else if (!publisher_.publish(carried_.sample)) {
+        AtomicCounters::add(counters_.refused_instance);
+      } else {
+        AtomicCounters::add(counters_.taken);
+        ++count;
+      }
+    }
+    on_data_available(nullptr);
+    return count;
+  }
+
+ private:
+  void on_data_available(fast::DataReader*) override {
+    arrived_.store(true, std::memory_order_release);
+    wakeup_->ring();
+  }
+  void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
+    matched_.store(status.current_count, std::memory_order_relaxed);
+  }
+  void on_requested_deadline_missed(fast::DataReader*, const fast::RequestedDeadlineMissedStatus&) override {
+    AtomicCounters::add(counters_.deadline_missed);
+  }
+  void on_liveliness_changed(fast::DataReader*, const fast::LivelinessChangedStatus& status) override {
+    if (status.not_alive_count_change > 0) AtomicCounters::add(counters_.liveliness_lost);
+  }
+  void on_requested_incompatible_qos(fast::DataReader*,
+                                     const fast::RequestedIncompatibleQosStatus&) override {
+    AtomicCounters::add(counters_.incompatible_qos);
+  }
+
+  AtomicCounters& counters_;
+  std::shared_ptr<Wakeup> wakeup_;
+  Publisher<T> publisher_;
+  std::atomic<fast::DataReader*> reader_{nullptr};
+  std::atomic<bool> arrived_{false};
+  Carried<T> carried_;
+};
+
+/// Once per process, before the first participant: the type registry of Fast DDS is not safe against its own
+/// discovery threads, and a reader of the same process would otherwise run on the writer's thread.
+void prepare_fast_dds() {
+  static const bool prepared = [] {
+#define MOTIONLAB_REGISTER(Type) (void)TwinOf<topic::Type>::Twin{};
+    MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_REGISTER)
+#undef MOTIONLAB_REGISTER
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    return true;
+  }();
+  (void)prepared;
+}
+
+[[nodiscard]] std::vector<std::string> addresses_of_this_host() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* entry = list; entry; entry = entry->ifa_next) {
+    std::array<char, NI_MAXHOST> text{};
+    if (entry->ifa_addr && entry->ifa_addr->sa_family == AF_INET &&
+        getnameinfo(entry->ifa_addr, sizeof(sockaddr_in), text.data(), text.size(), nullptr, 0,
+                    NI_NUMERICHOST) == 0) {
+      addresses.emplace_back(text.data());
+    }
+  }
+  freeifaddrs(list);
+  return addresses;
+}
+
+void check(const DdsConfig& config) {
+  if (config.domain < 0 || config.domain > kMaxDomain) {
+    throw StartupError{"DDS domain " + std::to_string(config.domain) +
+                       " does not exist: choose one from 0 to " + std::to_string(kMaxDomain)};
+  }
+  if (config.interface_whitelist.empty()) return;
+  const std::vector<std::string> known = addresses_of_this_host();
+  for (const std::string& wanted : config.interface_whitelist) {
+    if (std::ranges::find(known, wanted) != known.end()) continue;
+    std::string text = "DDS shall use the interface " + wanted + ", which this host does not have. It has";
+    for (const std::string& address : known) text += " " + address;
+    throw StartupError{text + ": choose one of these, or none to use them all"};
+  }
+}
+
+[[nodiscard]] fast::DomainParticipantQos participant_qos(const DdsConfig& config) {
+  fast::DomainParticipantQos qos = fast::PARTICIPANT_QOS_DEFAULT;
+  qos.name(config.participant.c_str());
+  qos.transport().use_builtin_transports = false;
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = config.interface_whitelist;
+  qos.transport().user_transports.push_back(udp);
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  // The defaults let one start in ten wait three seconds for its peers, and a killed peer live on for twenty.
+  discovery.initial_announcements.count = 30;
+  discovery.initial_announcements.period = Duration_t{0.05L};
+  discovery.leaseDuration = Duration_t{2.0L};
+  discovery.leaseDuration_announcementperiod = Duration_t{0.6L};
+  return qos;
+}
+
+}  // namespace
+
+struct DdsBus::Impl {
+  Impl(const DdsConfig& wanted, LocalBus& bus) : config{wanted}, local{bus} {
+    check(config);
+    prepare_fast_dds();
+    auto& factory = *fast::DomainParticipantFactory::get_instance();
+    participant =
+        factory.create_participant(static_cast<std::uint32_t>(config.domain), participant_qos(config));
+    if (!participant) {
+      throw StartupError{"DDS did not start on domain " + std::to_string(config.domain) +
+                         ": see whether other programs use up its UDP ports, or choose another [bus] domain"};
+    }
+  }
+
+  ~Impl() {
+    participant->delete_contained_entities();
+    fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
+  }
+
+  /// Creates the endpoint of one direction; `Create` makes it below the right partition's publisher or
+  /// subscriber.
+  template <class T, class Direction>
+  void carry() {
+    using Traits = TopicTraits<T>;
+    const std::string name{Traits::name};
+    if (link_of(Traits::name)) {
+      throw StartupError{
+          name + " is carried already: a topic goes out or comes in, once, or its samples would circle"};
+    }
+    if (Traits::partition == kTruthPartition && !config.join_truth) {
+      throw StartupError{name + " is of the simulated truth: only simulator and viewers set join_truth"};
+    }
+    fast::TypeSupport type{new TypeSupport<T>{}};
+    fast::Topic* topic = nullptr;
+    if (type.register_type(participant) == ReturnCode_t::RETCODE_OK) {
+      topic = participant->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+    }
+    auto link = std::make_unique<Direction>(local, wakeup, counters);
+    const TopicShape shape{Traits::qos, Traits::period_s, T::kKeyed};
+    Direction& direction = *link;
+    links.emplace_back(Traits::name, std::move(link));  // kept also on failure: listeners outlive endpoints
+    if (!topic || !create(direction, *topic, shape, std::string{Traits::partition})) {
+      throw StartupError{
+          "DDS refuses the topic " + name +
+          ": its quality of service contradicts itself or memory is short; the log of Fast DDS says more"};
+    }
+  }
+
+  template <class T>
+  bool create(Out<T>& out, fast::Topic& topic, const TopicShape& shape, const std::string& partition) {
+    fast::PublisherQos qos = fast::PUBLISHER_QOS_DEFAULT;
+    if (!partition.empty()) qos.partition().push_back(partition.c_str());
+    fast::Publisher* const publisher = participant->create_publisher(qos);
+    return publisher && out.create(*publisher, topic, shape);
+  }
+
+  template <class T>
+  bool create(In<T>& in, fast::Topic& topic, const TopicShape& shape, const std::string& partition) {
+    fast::SubscriberQos qos = fast::SUBSCRIBER_QOS_DEFAULT;
+    if (!partition.empty()) qos.partition().push_back(partition.c_str());
+    fast::Subscriber* const subscriber = participant->create_subscriber(qos);
+    return subscriber && in.create(*subscriber, topic, shape);
+  }
+
+  [[nodiscard]] const Link* link_of(std::string_view name) const noexcept {
+    const auto found = std::ranges::find(links, name, [](const auto& entry) { return entry.first; });
+    return found == links.end() ? nullptr : found->second.get();
+  }
+
+  std::size_t run() {
+    std::size_t count = 0;
+    for (const auto& [name, link] : links) count += link->run(std::chrono::steady_clock::now());
+    return count;
+  }
+
+  const DdsConfig config;
+  LocalBus& local;
+  const std::shared_ptr<Wakeup> wakeup = std::make_shared<Wakeup>();
+  AtomicCounters counters;
+  std::vector<std::pair<std::string_view, std::unique_ptr<Link>>> links;
+  fast::DomainParticipant* participant = nullptr;
+  std::atomic<bool> stopping{false};
+  std::thread thread;
+};
+
+DdsBus::DdsBus(const DdsConfig& config, LocalBus& local) : impl_{std::make_unique<Impl>(config, local)} {}
+
+DdsBus::~DdsBus() {
+  stop();
+}
+
+template <class T>
+void DdsBus::out() {
+  impl_->carry<T, Out<T>>();
+}
+
+template <class T>
+void DdsBus::in() {
+  impl_->carry<T, In<T>>();
+}
+
+template <class T>
+std::size_t DdsBus::matched() const {
+  const Link* const link = impl_->link_of(TopicTraits<T>::name);
+  return link ? link->matched() : 0;
+}
+
+std::size_t DdsBus::run_once(Nanoseconds timeout) {
+  SteadyTime due = SteadyTime::max();
+  for (const auto& [name, link] : impl_->links) due = std::min(due, link->due());
+  if (due != SteadyTime::max()) {
+    timeout = std::clamp<Nanoseconds>(due - std::chrono::steady_clock::now(), Nanoseconds{0}, timeout);
+  }
+  impl_->wakeup->wait(timeout);
+  return impl_->run();
+}
+
+void DdsBus::start() {
+  if (impl_->thread.joinable()) return;
+  impl_->stopping = false;
+  impl_->thread = std::thread{[this] {
+    pthread_setname_np(pthread_self(), "bus");
+    while (!impl_->stopping) run_once(kLongestSleep);
+    impl_->run();
+  }};
+}
+
+void DdsBus::stop() {
+  if (!impl_->thread.joinable()) return;
+  impl_->stopping = true;
+  impl_->wakeup->ring();
+  impl_->thread.join();
+}
+
+DdsCounters DdsBus::counters() const {
+  const AtomicCounters& from = impl_->counters;
+  const auto refused = [&from](Refusal refusal) {
+    return from.refused[static_cast<std::size_t>(refusal)].load();
+  };
+  DdsCounters counters;
+  counters.written = from.written;
+  counters.write_failed = from.write_failed;
+  counters.taken = from.taken;
+  counters.refused_malformed = refused(Refusal::malformed);
+  counters.refused_text = refused(Refusal::text_too_long);
+  counters.refused_enum = refused(Refusal::unknown_enum);
+  counters.refused_not_finite = refused(Refusal::not_finite);
+  counters.refused_instance = from.refused_instance;
+  for (const auto& [name, link] : impl_->links) counters.lost_locally += link->lost();
+  counters.deadline_missed = from.deadline_missed;
+  counters.liveliness_lost = from.liveliness_lost;
+  counters.incompatible_qos = from.incompatible_qos;
+  return counters;
+}
+
+#define MOTIONLAB_CARRY(Type)               \
+  template void DdsBus::out<topic::Type>(); \
+  template void DdsBus::in<topic::Type>();  \
+  template std::size_t DdsBus::matched<topic::Type>() const;
+MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_CARRY)
+#undef MOTIONLAB_CARRY
+
+}  // namespace motionlab::bus

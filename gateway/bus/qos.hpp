@@ -1,0 +1,21 @@
+/// @file  The quality-of-service classes of topics.hpp, said in Fast DDS. Seen by dds_bus.cpp alone.
+#pragma once
+
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+
+#include "gateway/bus/topics.hpp"
+
+namespace motionlab::bus {
+
+/// What decides a topic's QoS.
+struct TopicShape {
+  QosClass qos;
+  double period_s;
+  bool keyed;
+};
+
+[[nodiscard]] eprosima::fastdds::dds::DataWriterQos writer_qos(const TopicShape& shape);
+[[nodiscard]] eprosima::fastdds::dds::DataReaderQos reader_qos(const TopicShape& shape);
+
+}  // namespace motionlab::bus
