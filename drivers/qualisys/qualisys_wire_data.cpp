@@ -56,7 +56,8 @@ std::array<double, 4> to_quaternion(const Matrix& r) noexcept {
     q[1 + k] = r[k][i] + r[i][k];
   }
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& element : q) element /= q[0] < 0.0 ? -norm : norm;
+  const double scale = q[0] < 0.0 ? -1.0 / norm : 1.0 / norm;
+  for (double& element : q) element *= scale;
   return q;
 }
 
