@@ -1,0 +1,87 @@
+#include "gateway/controller/load_keeper.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace motionlab::controller {
+namespace {
+
+Eigen::Vector3d vector(const std::array<double, 3>& a) {
+  return Eigen::Map<const Eigen::Vector3d>(a.data());
+}
+Eigen::Vector3d crane_joints(const std::array<double, 6>& a) {
+  return {a[0], a[1], a[2]};
+}
+
+math::BodyMotion ship_of(const topic::Estimate& e) {
+  return {math::RigidTransform::from_quaternion(Eigen::Map<const Eigen::Vector4d>(e.q_world_platform.data()),
+                                                vector(e.p_world_platform_m)),
+          vector(e.v_world_platform_mps), vector(e.a_world_platform_mps2),
+          vector(e.omega_world_platform_radps), vector(e.alpha_world_platform_radps2)};
+}
+
+}  // namespace
+
+LoadKeeper::LoadKeeper(const LoadKeeperConfig& config)
+    : config_(config),
+      arm_(config.arm),
+      law_(config.law),
+      observer_(config.servo, config.observer_gain_per_s) {}
+
+void LoadKeeper::sent(LabTime t, const topic::ArmCommand& command) {
+  observer_.sent(t + from_seconds(config_.command_latency_s), command.follow,
+                 crane_joints(command.qd_wanted_radps));
+}
+
+std::optional<Eigen::Vector3d> LoadKeeper::wanted_joints(const math::BodyMotion& ship, double ahead) const {
+  const Vector3d p_WT = law_.p_WT() + ahead * law_.v_WT() + 0.5 * ahead * ahead * law_.a_WT();
+  const math::RigidTransform X_WR = ship.after(ahead).X_WB * config_.X_BR;
+  return arm_.inverse(X_WR.inverse() * p_WT);
+}
+
+std::optional<Wish> LoadKeeper::step(const Inputs& in) {
+  if (in.arm.sequence_number != arm_seen_) {
+    arm_seen_ = in.arm.sequence_number;
+    observer_.measured(from_ns(in.arm.t_measured_ns), crane_joints(in.arm.q_rad),
+                       crane_joints(in.arm.qd_radps));
+  }
+  const double dt = stepped_ ? std::clamp(seconds(in.t - *stepped_), 0.0, 0.05) : 0.0;
+  stepped_ = in.t;
+  const topic::Estimate& e = in.estimate;
+  if (!in.engaged || !running_) {
+    law_.start(vector(e.p_world_tool_m), vector(e.v_world_tool_mps), e.wire_length_m);
+    running_ = in.engaged;
+    return Wish{};
+  }
+  law_.step(dt, in.p_WL_reference, vector(e.p_world_load_m), vector(e.v_world_load_mps), e.wire_length_m);
+
+  // Wanted joints at four times one hold apart; the middle two are when the coming hold begins and ends to
+  // act.
+  const math::BodyMotion ship = ship_of(e);
+  const double T = config_.command_period_s;
+  const double begin = seconds(in.t_send - in.t) + config_.command_latency_s + config_.servo.delay_s;
+  std::array<Vector3d, 4> q;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto joints = wanted_joints(ship, begin + (static_cast<double>(i) - 1.0) * T);
+    if (!joints) return std::nullopt;
+    q[i] = *joints;
+  }
+  const double w = config_.servo.omega_radps, zeta = config_.servo.zeta;
+  const auto set_point = [&](std::size_t i) -> Vector3d {
+    const Vector3d qd = (q[i + 1] - q[i - 1]) / (2 * T);
+    const Vector3d qdd = (q[i + 1] - 2 * q[i] + q[i - 1]) / (T * T);
+    return q[i] + 2 * zeta / w * qd + qdd / (w * w);
+  };
+  const Vector3d s_begin = set_point(1), s_end = set_point(2);
+  const Vector3d observed = observer_.at(in.t_send + from_seconds(config_.command_latency_s));
+  const Vector3d qd = (s_end - s_begin) / T + config_.set_point_gain_per_s * (s_begin - observed);
+
+  Wish wish;
+  for (std::size_t i = 0; i < 3; ++i) wish.qd_radps[i] = qd[static_cast<Eigen::Index>(i)];
+  const double too_high = e.p_world_load_m[2] - in.p_WL_reference.z();
+  wish.wire_speed_mps = std::clamp(config_.height_gain_per_s * too_high, -config_.height_speed_max_mps,
+                                   config_.height_speed_max_mps);
+  return wish;
+}
+
+}  // namespace motionlab::controller

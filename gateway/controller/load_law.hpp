@@ -1,0 +1,63 @@
+/// @file  The law that keeps the load still: how a tool point that moves in the world should be accelerated.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace motionlab::controller {
+
+/// Weights of the regulator for one horizontal axis, and the bounds of what it may ask.
+struct LoadLawConfig {
+  double gravity_mps2 = 9.81;
+  double weight_load_error = 20.0;  ///< on (load − reference)² [1/m²]
+  double weight_tool_speed = 1.0;   ///< on V² [s²/m²]
+  double weight_swing_rate = 4.0;   ///< on ḋ² [s²/m²]
+  double weight_load_error_integral = 1.0;
+  double vertical_omega_radps = 1.2;  ///< how fast the tool height is brought to its place
+  double acceleration_max_mps2 = 1.5;
+  double speed_max_mps = 0.6;
+  double integral_zone_m = 0.10;  ///< the integral acts only this near to the reference
+};
+
+/// A tool point in software: where the tool shall be in the world, moved by the law and followed by the arm.
+///
+/// Per horizontal axis a linear quadratic regulator acts on tool position and speed, on the load's offset
+/// from the tool and its rate, and on the integral of the load's error. The offset is taken from the software
+/// tool point, not from the real one: a calibration error is then a constant that the integral removes.
+class LoadLaw {
+ public:
+  using Vector3d = Eigen::Vector3d;
+
+  /// Solves the regulator for wire lengths of 0.5 … 4 m; @throws std::runtime_error for weights without
+  /// solution.
+  explicit LoadLaw(const LoadLawConfig& config);
+
+  /// Begins with the tool where it is and as it moves: the first acceleration is bounded, there is no step.
+  void start(const Vector3d& p_WT, const Vector3d& v_WT, double wire_length_m);
+
+  /// One step. @param p_WL_reference  where the load shall be  @param p_WL, v_WL  where it is
+  void step(double dt_s, const Vector3d& p_WL_reference, const Vector3d& p_WL, const Vector3d& v_WL,
+            double wire_length_m);
+
+  [[nodiscard]] const Vector3d& p_WT() const { return p_; }
+  [[nodiscard]] const Vector3d& v_WT() const { return v_; }
+  [[nodiscard]] const Vector3d& a_WT() const { return a_; }
+
+ private:
+  using Gain = Eigen::Matrix<double, 1, 5>;  ///< on P, V, d, ḋ, ∫
+  static constexpr double kShortest = 0.5;
+  static constexpr double kLongest = 4.0;
+  static constexpr int kGains = 36;
+
+  [[nodiscard]] Gain gain(double wire_length_m) const;
+
+  LoadLawConfig config_;
+  std::array<Gain, kGains> gains_;
+  Vector3d p_ = Vector3d::Zero();
+  Vector3d v_ = Vector3d::Zero();
+  Vector3d a_ = Vector3d::Zero();
+  Eigen::Vector2d integral_ = Eigen::Vector2d::Zero();
+  double height_above_reference_m_ = 0;  ///< of the tool, fixed when started
+};
+
+}  // namespace motionlab::controller

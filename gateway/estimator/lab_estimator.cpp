@@ -1,0 +1,467 @@
+#include "gateway/estimator/lab_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace motionlab::estimator {
+namespace {
+
+using Eigen::Vector2d;
+using math::Matrix3d;
+using math::SparseRow;
+
+Eigen::Vector3d vector(const std::array<double, 3>& a) {
+  return Eigen::Map<const Eigen::Vector3d>(a.data());
+}
+
+template <class Vector, std::size_t N>
+void copy_to(std::array<double, N>& to, const Vector& from) {
+  for (std::size_t i = 0; i < N; ++i) to[i] = from[static_cast<Eigen::Index>(i)];
+}
+
+/// The level frame D: origin and heading of N, but its z exactly down. Angles against gravity are angles in
+/// D.
+Matrix3d level_frame(const Matrix3d& R_WN) {
+  Matrix3d R_WD;
+  R_WD.col(2) = -Eigen::Vector3d::UnitZ();
+  R_WD.col(0) = (R_WN.col(0) - R_WN.col(0).z() * Eigen::Vector3d::UnitZ()).normalized();
+  R_WD.col(1) = R_WD.col(2).cross(R_WD.col(0));
+  return R_WD;
+}
+
+/// The smallest angle that is equal to a up to whole turns.
+double wrapped(double a) {
+  return std::remainder(a, 2 * std::acos(-1.0));
+}
+
+/// A body that was not seen for this long is no longer called tracked.
+constexpr Nanoseconds kSeenFor = 100ms;
+/// A measurement this much older than the filter's state is still used, as if it were of that time.
+constexpr Nanoseconds kLateTolerance = 3ms;
+/// Longest step of the covariance prediction; longer gaps are crossed in several.
+constexpr double kLongestStep = 0.01;
+
+}  // namespace
+
+LabEstimator::LabEstimator(const Belief& belief)
+    : belief_(belief),
+      axis_model_(belief.ship.period_s, belief.ship.damping),
+      R_WD_(level_frame(belief.calibration.X_WN.R)) {
+  for (int i = 0; i < kAxes; ++i) {
+    const double sd = i < 3 ? belief_.ship.translation_sd_m : belief_.ship.rotation_sd_rad;
+    const double density = sd * sd / axis_model_.stationary()(0, 0);
+    noise_density_[static_cast<std::size_t>(i)] = density;
+    filter_.P.block<4, 4>(axis(i), axis(i)) = density * axis_model_.stationary();
+  }
+  const auto set_sd = [this](int first, int count, double sd) {
+    for (int i = first; i < first + count; ++i) filter_.P(i, i) = sd * sd;
+  };
+  set_sd(kAccelerationBias, 3, belief_.mru.acceleration_bias_sd_mps2);
+  set_sd(kRateBias, 3, belief_.mru.rate_bias_sd_radps);
+  set_sd(kTiltError, 2, belief_.mru.tilt_error_sd_rad);
+  set_sd(kYawError, 1, belief_.mru.yaw_start_sd_rad);
+  set_sd(kLoad, 2, 0.05);
+  set_sd(kLoadVelocity, 2, 1.0);
+  set_sd(kToolOffset, 3, belief_.load.tool_offset_sd_m);
+}
+
+topic::Estimate LabEstimator::step(const Inputs& inputs) {
+  collect(inputs);
+  const LabTime due = inputs.t - from_seconds(belief_.fusion_delay_s);
+  for (;;) {
+    Pending* earliest = nullptr;
+    for (auto& pending : pending_) {
+      if (pending.kind == Pending::Kind::none || pending.t > due) continue;
+      if (earliest == nullptr || pending.t < earliest->t) earliest = &pending;
+    }
+    if (earliest == nullptr) break;
+    process(*earliest);
+    earliest->kind = Pending::Kind::none;
+  }
+  return estimate_at(inputs.t);
+}
+
+void LabEstimator::collect(const Inputs& inputs) {
+  const auto is_new = [](const auto& sample, std::uint64_t& seen) {
+    if (!sample || sample->sequence_number == seen) return false;
+    seen = sample->sequence_number;
+    return true;
+  };
+  if (is_new(inputs.arm, arm_sequence_)) {
+    const auto& a = *inputs.arm;
+    arm_.add(from_ns(a.t_measured_ns), {a.q_rad[0], a.q_rad[1], a.q_rad[2]},
+             {a.qd_radps[0], a.qd_radps[1], a.qd_radps[2]});
+  }
+  if (is_new(inputs.winch, winch_sequence_)) {
+    wire_length_m_ = inputs.winch->wire_length_m;
+    wire_speed_mps_ = inputs.winch->wire_speed_mps;
+    wire_t_ = from_ns(inputs.winch->t_measured_ns);
+    winch_heard_ = true;
+  }
+  if (is_new(inputs.mru, mru_seen_)) {
+    enqueue({Pending::Kind::mru, from_ns(inputs.mru->t_measured_ns), *inputs.mru, {}});
+    mru_heard_ = true;
+  }
+  if (is_new(inputs.load, load_sequence_)) {
+    enqueue({Pending::Kind::load, from_ns(inputs.load->t_measured_ns), {}, *inputs.load});
+  }
+  if (belief_.use_platform_body && is_new(inputs.platform, platform_sequence_)) {
+    enqueue({Pending::Kind::platform, from_ns(inputs.platform->t_measured_ns), {}, *inputs.platform});
+  }
+}
+
+void LabEstimator::enqueue(Pending&& pending) {
+  for (auto& slot : pending_) {
+    if (slot.kind != Pending::Kind::none) continue;
+    slot = std::move(pending);
+    return;
+  }
+  ++refused_;
+}
+
+void LabEstimator::process(const Pending& pending) {
+  if (pending.kind == Pending::Kind::load) load_tracked_ = pending.body.tracked;
+  if (pending.kind == Pending::Kind::platform) platform_tracked_ = pending.body.tracked;
+  if (pending.kind != Pending::Kind::mru && !pending.body.tracked) return;
+  if (!started_) {
+    start(pending);
+    return;
+  }
+  if (pending.t < t_ - kLateTolerance) {
+    ++refused_;
+    return;
+  }
+  predict_to(pending.t);
+  if (pending.kind == Pending::Kind::mru) take(pending.mru);
+  if (pending.kind == Pending::Kind::load) take_load(pending.body);
+  if (pending.kind == Pending::Kind::platform) take_platform(pending.body);
+}
+
+void LabEstimator::start(const Pending& pending) {
+  // The load's place is the one thing that has no prior: the filter starts when it is first seen.
+  if (pending.kind != Pending::Kind::load || arm_.empty() || !winch_heard_ || !mru_heard_) return;
+  const Vector3d p_WL = belief_.calibration.X_WQ * vector(pending.body.p_camera_body_m);
+  filter_.x.segment<2>(kLoad) = p_WL.head<2>();
+  t_ = pending.t;
+  load_seen_ = t_;
+  started_ = true;
+}
+
+Eigen::Vector3d LabEstimator::triple(int derivative, int first_axis) const {
+  return {filter_.x[axis(first_axis, derivative)], filter_.x[axis(first_axis + 1, derivative)],
+          filter_.x[axis(first_axis + 2, derivative)]};
+}
+
+math::BodyMotion LabEstimator::ship() const {
+  const Vector3d rpy = triple(0, 3), rpy_dot = triple(1, 3), rpy_ddot = triple(2, 3);
+  const Matrix3d T = math::euler_zyx_rates_to_body(rpy);
+  return {{R_WD_ * math::from_euler(rpy, math::EulerOrder::zyx), belief_.calibration.X_WN.p + triple(0, 0)},
+          triple(1, 0),
+          triple(2, 0),
+          T * rpy_dot,
+          T * rpy_ddot + math::euler_zyx_rates_to_body_dot(rpy, rpy_dot) * rpy_dot};
+}
+
+LabEstimator::Tool LabEstimator::tool(const math::BodyMotion& ship, const JointMotion& joints) const {
+  const math::CraneArm arm(belief_.calibration.arm);
+  const auto& X_BR = belief_.calibration.X_BR;
+  const Matrix3d J = arm.jacobian(joints.q);
+  const math::PointMotion in_B{X_BR * arm.position(joints.q), X_BR.R * (J * joints.qd),
+                               X_BR.R * (J * joints.qdd + arm.jacobian_dot(joints.q, joints.qd) * joints.qd)};
+  Tool tool;
+  tool.motion = math::carried(ship, in_B);
+  tool.motion.p += filter_.x.segment<3>(kToolOffset);
+  tool.p_BT = in_B.p;
+  // A turn by d(rpy) is a body rotation T d(rpy), which moves the point by R hat(T d(rpy)) p.
+  tool.d_euler = -ship.X_WB.R * math::hat(in_B.p) * math::euler_zyx_rates_to_body(triple(0, 3));
+  return tool;
+}
+
+double LabEstimator::hanging_height(const Vector2d& load, const Vector3d& p_WT) const {
+  const double reach2 = (load - p_WT.head<2>()).squaredNorm();
+  // A load further out than half the wire is no pendulum any more; the floor keeps the filter finite.
+  const double floor = 0.5 * wire_length_m_;
+  return std::sqrt(std::max(wire_length_m_ * wire_length_m_ - reach2, floor * floor));
+}
+
+void LabEstimator::add_tool_terms(SparseRow& row, const Tool& tool, const Vector3d& weight) const {
+  const Vector3d on_euler = tool.d_euler.transpose() * weight;
+  for (int i = 0; i < 3; ++i) {
+    row.add(axis(i), weight[i]);
+    row.add(axis(3 + i), on_euler[i]);
+    row.add(kToolOffset + i, weight[i]);
+  }
+}
+
+void LabEstimator::predict_to(LabTime t) {
+  double left = seconds(t - t_);
+  if (left <= 0) return;
+  while (left > 0) {
+    const double dt = std::min(left, kLongestStep);
+    predict(dt);
+    t_ += from_seconds(dt);
+    left -= dt;
+  }
+  t_ = t;
+}
+
+void LabEstimator::predict(double dt) {
+  const Eigen::Matrix4d A = axis_model_.transition(dt);
+  const Eigen::Matrix4d Q = ShipAxis::noise(dt);
+  const auto decay = [dt](double correlation_s) { return std::exp(-dt / correlation_s); };
+  const double tilt_decay = decay(belief_.mru.tilt_error_correlation_s);
+  const double offset_decay = decay(belief_.load.tool_offset_correlation_s);
+
+  // The load: pulled towards the tool, with the tool's place taken in the middle of the step.
+  const Tool before = tool(ship(), arm_.at(t_));
+  const Vector2d load = filter_.x.segment<2>(kLoad), velocity = filter_.x.segment<2>(kLoadVelocity);
+  const double height = hanging_height(load, before.motion.p);
+  const double stiffness = (belief_.load.gravity_mps2 + before.motion.a.z()) / height;
+  const Vector2d middle =
+      load + 0.5 * dt * velocity - (before.motion.p + 0.5 * dt * before.motion.v).head<2>();
+  const Vector2d acceleration = -stiffness * middle;
+
+  for (int i = 0; i < kAxes; ++i) filter_.x.segment<4>(axis(i)) = A * filter_.x.segment<4>(axis(i)).eval();
+  filter_.x.segment<2>(kTiltError) *= tilt_decay;
+  filter_.x.segment<3>(kToolOffset) *= offset_decay;
+  filter_.x.segment<2>(kLoad) += dt * velocity + 0.5 * dt * dt * acceleration;
+  filter_.x.segment<2>(kLoadVelocity) += dt * acceleration;
+
+  // P ← F P Fᵀ as two passes of column operations, since F is nearly block-diagonal.
+  const auto times_F_transposed = [&](Filter::Matrix& M) {
+    for (int k = 0; k < 2; ++k) {
+      auto load_column = M.col(kLoad + k);
+      auto velocity_column = M.col(kLoadVelocity + k);
+      auto& pull = before.d_euler;
+      load_column += dt * velocity_column;
+      velocity_column -= dt * stiffness * load_column;
+      velocity_column += dt * stiffness * (M.col(axis(k)) + M.col(kToolOffset + k));
+      for (int j = 0; j < 3; ++j) velocity_column += dt * stiffness * pull(k, j) * M.col(axis(3 + j));
+    }
+    for (int i = 0; i < kAxes; ++i) {
+      const Eigen::Matrix<double, kStates, 4> block = M.middleCols<4>(axis(i));
+      M.middleCols<4>(axis(i)).noalias() = block * A.transpose();
+    }
+    M.middleCols<2>(kTiltError) *= tilt_decay;
+    M.middleCols<3>(kToolOffset) *= offset_decay;
+  };
+  times_F_transposed(filter_.P);
+  filter_.P.transposeInPlace();
+  times_F_transposed(filter_.P);
+
+  const auto add = [this](int first, int count, double variance) {
+    for (int i = first; i < first + count; ++i) filter_.P(i, i) += variance;
+  };
+  for (int i = 0; i < kAxes; ++i) {
+    filter_.P.block<4, 4>(axis(i), axis(i)) += noise_density_[static_cast<std::size_t>(i)] * Q;
+  }
+  const auto wander = [](double sd, double decayed) { return sd * sd * (1 - decayed * decayed); };
+  add(kTiltError, 2, wander(belief_.mru.tilt_error_sd_rad, tilt_decay));
+  add(kToolOffset, 3, wander(belief_.load.tool_offset_sd_m, offset_decay));
+  add(kYawError, 1, belief_.mru.yaw_drift_rad_sqrt_s * belief_.mru.yaw_drift_rad_sqrt_s * dt);
+  add(kLoadVelocity, 2, belief_.load.acceleration_noise * belief_.load.acceleration_noise * dt);
+}
+
+void LabEstimator::update(const SparseRow& row, double innovation, double sd) {
+  if (!filter_.update(row, innovation, sd * sd, belief_.gate_sigma)) ++refused_;
+}
+
+void LabEstimator::take(const topic::Mru& mru) {
+  if (!mru.stable) {
+    ++refused_;
+    return;
+  }
+  const auto& X_BM = belief_.calibration.X_BM;
+  const double g = belief_.load.gravity_mps2;
+
+  // Angles. The unit's attitude in D is that of B times the mounting.
+  {
+    const Vector3d rpy_B = triple(0, 3);
+    const Matrix3d R_DM = math::from_euler(rpy_B, math::EulerOrder::zyx) * X_BM.R;
+    const Vector3d rpy_M = math::to_euler(R_DM, belief_.calibration.mru_order);
+    const Vector3d rpy_zyx = math::to_euler(R_DM, math::EulerOrder::zyx);
+    // The readings' small changes follow the zyx angles of the unit in either order, near enough for a gain.
+    const Matrix3d H = math::euler_zyx_rates_to_body(rpy_zyx).inverse() * X_BM.R.transpose() *
+                       math::euler_zyx_rates_to_body(rpy_B);
+    const Vector3d reading = vector(mru.euler_heading_mru_rad);
+    for (int i = 0; i < 3; ++i) {
+      const int error_index = i < 2 ? kTiltError + i : kYawError;
+      SparseRow row;
+      double predicted = rpy_M[i] + filter_.x[error_index];
+      for (int j = 0; j < 3; ++j) {
+        row.add(axis(3 + j), H(i, j));
+        predicted += H(i, j) * (filter_.x[axis(3 + j)] - rpy_B[j]);
+      }
+      row.add(error_index, 1.0);
+      update(row, wrapped(reading[i] - predicted), belief_.mru.angle_noise_rad);
+    }
+  }
+  // Rates, in the unit's body frame.
+  {
+    const Vector3d rpy = triple(0, 3), rpy_dot = triple(1, 3);
+    const Matrix3d R_MB = X_BM.R.transpose();
+    const Matrix3d on_rate = R_MB * math::euler_zyx_rates_to_body(rpy);
+    Matrix3d on_angle;
+    for (int j = 0; j < 3; ++j) {
+      on_angle.col(j) = R_MB * math::euler_zyx_rates_to_body_dot(rpy, Vector3d::Unit(j)) * rpy_dot;
+    }
+    const Vector3d reading = vector(mru.omega_mru_radps);
+    for (int i = 0; i < 3; ++i) {
+      SparseRow row;
+      double predicted = on_rate.row(i).dot(triple(1, 3)) + filter_.x[kRateBias + i];
+      for (int j = 0; j < 3; ++j) {
+        row.add(axis(3 + j, 1), on_rate(i, j));
+        row.add(axis(3 + j), on_angle(i, j));
+        predicted += on_angle(i, j) * (filter_.x[axis(3 + j)] - rpy[j]);
+      }
+      row.add(kRateBias + i, 1.0);
+      update(row, reading[i] - predicted, belief_.mru.rate_noise_radps);
+    }
+  }
+  // Accelerations in the unit's heading frame, of the point O that the unit takes for B's origin: its lever
+  // arm knows nothing of the misalignment. A tilt error turns gravity into acceleration.
+  {
+    const Vector3d p_BO = X_BM * belief_.calibration.p_MO;
+    const math::BodyMotion now = ship();
+    const Matrix3d on_turn = -now.X_WB.R * math::hat(p_BO) * math::euler_zyx_rates_to_body(triple(0, 3));
+    const Matrix3d R_DM = math::from_euler(triple(0, 3), math::EulerOrder::zyx) * X_BM.R;
+    const double heading = math::to_euler(R_DM, math::EulerOrder::zyx).z();
+    const Matrix3d R_HW = math::rot_z(-heading) * R_WD_.transpose();
+    // What does not depend on the second derivatives of the angles.
+    const Vector3d turning =
+        math::carried(now, {p_BO, Vector3d::Zero(), Vector3d::Zero()}).a - now.a_WB - on_turn * triple(2, 3);
+    const Vector3d reading = vector(mru.a_heading_origin_mps2);
+    for (int i = 0; i < 3; ++i) {
+      SparseRow row;
+      const Eigen::RowVector3d on_turn_H = R_HW.row(i) * on_turn;
+      double predicted = R_HW.row(i).dot(turning + triple(2, 0)) + on_turn_H.dot(triple(2, 3)) +
+                         filter_.x[kAccelerationBias + i];
+      for (int j = 0; j < 3; ++j) {
+        row.add(axis(j, 2), R_HW(i, j));
+        row.add(axis(3 + j, 2), on_turn_H[j]);
+      }
+      row.add(kAccelerationBias + i, 1.0);
+      if (i == 0) {
+        row.add(kTiltError + 1, -g);
+        predicted -= g * filter_.x[kTiltError + 1];
+      } else if (i == 1) {
+        row.add(kTiltError, g);
+        predicted += g * filter_.x[kTiltError];
+      }
+      update(row, reading[i] - predicted, belief_.mru.acceleration_noise_mps2);
+    }
+  }
+}
+
+void LabEstimator::take_load(const topic::Bodies& body) {
+  load_seen_ = t_;
+  const Vector3d p_WL = belief_.calibration.X_WQ * vector(body.p_camera_body_m);
+  for (int k = 0; k < 2; ++k) {
+    SparseRow row;
+    row.add(kLoad + k, 1.0);
+    update(row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
+  }
+  // The load's height is that of the tool less the hanging height of a taut wire.
+  const Tool tool_now = tool(ship(), arm_.at(t_));
+  const Vector2d load = filter_.x.segment<2>(kLoad);
+  const double height = hanging_height(load, tool_now.motion.p);
+  const Vector2d slope = (load - tool_now.motion.p.head<2>()) / height;
+  SparseRow row;
+  add_tool_terms(row, tool_now, {-slope.x(), -slope.y(), 1.0});
+  row.add(kLoad, slope.x());
+  row.add(kLoad + 1, slope.y());
+  update(row, p_WL.z() - (tool_now.motion.p.z() - height), belief_.camera.load_height_sd_m);
+}
+
+void LabEstimator::take_platform(const topic::Bodies& body) {
+  platform_seen_ = t_;
+  const math::RigidTransform X_QP = math::RigidTransform::from_quaternion(
+      Eigen::Map<const Eigen::Vector4d>(body.q_camera_body.data()), vector(body.p_camera_body_m));
+  const math::RigidTransform X_WB = belief_.calibration.X_WQ * X_QP * belief_.calibration.X_BP.inverse();
+  const Vector3d offset = X_WB.p - belief_.calibration.X_WN.p;
+  const Vector3d rpy = math::to_euler(R_WD_.transpose() * X_WB.R, math::EulerOrder::zyx);
+  for (int i = 0; i < 3; ++i) {
+    SparseRow place, turn;
+    place.add(axis(i), 1.0);
+    update(place, offset[i] - filter_.x[axis(i)], belief_.camera.platform_sd_m);
+    turn.add(axis(3 + i), 1.0);
+    update(turn, wrapped(rpy[i] - filter_.x[axis(3 + i)]), belief_.camera.platform_sd_rad);
+  }
+}
+
+topic::Estimate LabEstimator::estimate_at(LabTime t) {
+  topic::Estimate out;
+  out.sequence_number = ++sequence_;
+  out.t_estimated_ns = out.t_computed_ns = to_ns(t);
+  out.load_tracked = load_tracked_ && t - load_seen_ < kSeenFor;
+  out.platform_tracked = platform_tracked_ && t - platform_seen_ < kSeenFor;
+  out.wire_length_m =
+      wire_length_m_ + seconds(std::clamp(t - wire_t_, 0ns, Nanoseconds{50ms})) * wire_speed_mps_;
+  out.wire_speed_mps = wire_speed_mps_;
+  out.valid = started_;
+  if (!started_) return out;
+
+  // Carry the mean to the present; what lies between is too short for the covariance to change much.
+  const Filter::Vector kept = filter_.x;
+  const double ahead = std::clamp(seconds(t - t_), 0.0, 0.1);
+  const Tool tool_then = tool(ship(), arm_.at(t_));
+  for (int i = 0; i < kAxes; ++i) {
+    filter_.x.segment<4>(axis(i)) = axis_model_.propagate(filter_.x.segment<4>(axis(i)), ahead);
+  }
+  const math::BodyMotion ship_now = ship();
+  const Tool tool_now = tool(ship_now, arm_.at(t));
+  Vector2d load = filter_.x.segment<2>(kLoad), load_velocity = filter_.x.segment<2>(kLoadVelocity);
+  constexpr int kSubsteps = 4;
+  const double dt = ahead / kSubsteps;
+  for (int i = 0; i < kSubsteps; ++i) {
+    const double f = (i + 0.5) / kSubsteps;
+    const Vector3d p_WT = (1 - f) * tool_then.motion.p + f * tool_now.motion.p;
+    const double lift = (1 - f) * tool_then.motion.a.z() + f * tool_now.motion.a.z();
+    const Vector2d middle = load + 0.5 * dt * load_velocity;
+    const double stiffness = (belief_.load.gravity_mps2 + lift) / hanging_height(middle, p_WT);
+    const Vector2d acceleration = -stiffness * (middle - p_WT.head<2>());
+    load += dt * load_velocity + 0.5 * dt * dt * acceleration;
+    load_velocity += dt * acceleration;
+  }
+  filter_.x = kept;
+
+  const Vector3d& p_WT = tool_now.motion.p;
+  const double height = hanging_height(load, p_WT);
+  const Vector2d d = load - p_WT.head<2>(), d_dot = load_velocity - tool_now.motion.v.head<2>();
+  const double height_dot = (wire_length_m_ * wire_speed_mps_ - d.dot(d_dot)) / height;
+  const double L = std::hypot(d.norm(), height);
+
+  copy_to(out.p_world_platform_m, ship_now.X_WB.p);
+  copy_to(out.q_world_platform, ship_now.X_WB.quaternion_wxyz());
+  copy_to(out.v_world_platform_mps, ship_now.v_WB);
+  copy_to(out.a_world_platform_mps2, ship_now.a_WB);
+  copy_to(out.omega_world_platform_radps, ship_now.omega_B);
+  copy_to(out.alpha_world_platform_radps2, ship_now.alpha_B);
+  copy_to(out.p_world_tool_m, p_WT);
+  copy_to(out.v_world_tool_mps, tool_now.motion.v);
+  // Thesis Eq 3.49 solved for the angles.
+  const double alpha = std::asin(std::clamp(-d.x() / L, -1.0, 1.0));
+  const double side2 = d.y() * d.y() + height * height;
+  out.swing_rad = {alpha, std::atan2(d.y(), height)};
+  out.swing_rate_radps = {-d_dot.x() / (L * std::cos(alpha)),
+                          (d_dot.y() * height - d.y() * height_dot) / side2};
+  out.p_world_load_m = {load.x(), load.y(), p_WT.z() - height};
+  out.v_world_load_mps = {load_velocity.x(), load_velocity.y(), tool_now.motion.v.z() - height_dot};
+  const auto sd = [this](int i) { return std::sqrt(std::max(filter_.P(i, i), 0.0)); };
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    out.p_world_platform_sd_m[k] = sd(axis(i));
+    out.euler_platform_sd_rad[k] = sd(axis(3 + i));
+    SparseRow row;
+    add_tool_terms(row, tool_now, Vector3d::Unit(i));
+    double variance = 0;
+    for (const auto& a : row) {
+      for (const auto& b : row) variance += a.value * b.value * filter_.P(a.index, b.index);
+    }
+    out.p_world_tool_sd_m[k] = std::sqrt(std::max(variance, 0.0));
+    out.p_world_load_sd_m[k] = i < 2 ? sd(kLoad + i) : out.p_world_tool_sd_m[k];
+  }
+  return out;
+}
+
+}  // namespace motionlab::estimator

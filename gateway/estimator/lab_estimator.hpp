@@ -1,0 +1,135 @@
+/// @file  The estimator: from MRU, cameras, joints and winch to ship, tool, wire and load in the world.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "drivers/core/time.hpp"
+#include "gateway/estimator/arm_history.hpp"
+#include "gateway/estimator/belief.hpp"
+#include "gateway/estimator/ship_axis.hpp"
+#include "gateway/math/moving_base.hpp"
+#include "gateway/math/sparse_kalman.hpp"
+#include "idl/arm_state.hpp"
+#include "idl/bodies.hpp"
+#include "idl/estimate.hpp"
+#include "idl/mru.hpp"
+#include "idl/winch_state.hpp"
+
+namespace motionlab::estimator {
+
+/// The newest sample of each source at one time. A sample that was seen before does no harm.
+struct Inputs {
+  LabTime t{};
+  std::optional<topic::Mru> mru;
+  std::optional<topic::Bodies> load;
+  std::optional<topic::Bodies> platform;
+  std::optional<topic::ArmState> arm;
+  std::optional<topic::WinchState> winch;
+};
+
+/// An extended Kalman filter on a time line a little in the past.
+///
+/// Measurements wait until `fusion_delay_s` has passed since they were taken, so that they are used in order
+/// of measurement whatever their latency, with the joints of that very time; the state is then carried
+/// forward to the present. Of the MRU it uses the angles, the rates and the unfiltered accelerations, never
+/// the positions: those are high-passed and hold nothing that the accelerations do not. Of the joints only
+/// the position of the tool enters, so the joint dynamics need not be known. Without a tracked platform body
+/// the load itself is the seismometer: where it is pulled to tells where the tool point is.
+///
+/// States (40): six ship axes × (x, ẋ, ẍ, x‴): offset of B's origin from its neutral place in W axes, and
+/// roll, pitch, yaw of B against the level frame D; accelerometer bias (3), rate bias (3), tilt error (2),
+/// yaw error (1), load position and velocity in W, horizontal (4), offset of the tool point in W (3).
+///
+/// Before joints, winch, MRU and load have each been heard once, the estimate is not `valid`. When a source
+/// falls silent the state is carried on without it; its standard deviations grow and the service decides what
+/// to do.
+class LabEstimator {
+ public:
+  explicit LabEstimator(const Belief& belief);
+
+  /// Takes in what is new and returns the state at `inputs.t`. Never allocates, never throws.
+  topic::Estimate step(const Inputs& inputs);
+
+  /// Measurements refused by the gate, or come too late to be used in order.
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+
+ private:
+  static constexpr int kAxes = 6;
+  static constexpr int kAccelerationBias = ShipAxis::kSize * kAxes;  // F, S, D
+  static constexpr int kRateBias = kAccelerationBias + 3;
+  static constexpr int kTiltError = kRateBias + 3;  // roll, pitch
+  static constexpr int kYawError = kTiltError + 2;
+  static constexpr int kLoad = kYawError + 1;      // x, y
+  static constexpr int kLoadVelocity = kLoad + 2;  // x, y
+  static constexpr int kToolOffset = kLoadVelocity + 2;
+  static constexpr int kStates = kToolOffset + 3;
+
+  using Filter = math::KalmanState<kStates>;
+  using Vector3d = Eigen::Vector3d;
+
+  /// Index of a derivative of an axis: axes 0–2 are x, y, z in W, 3–5 roll, pitch, yaw.
+  static constexpr int axis(int i, int derivative = 0) { return ShipAxis::kSize * i + derivative; }
+
+  struct Pending {
+    enum class Kind { none, mru, load, platform } kind = Kind::none;
+    LabTime t{};
+    topic::Mru mru;
+    topic::Bodies body;
+  };
+
+  /// The tool point in W at one time, and how it depends on the ship's state.
+  struct Tool {
+    math::PointMotion motion;
+    Vector3d p_BT;
+    Eigen::Matrix3d d_euler;  ///< ∂p_WT/∂(roll, pitch, yaw)
+  };
+
+  void collect(const Inputs& inputs);
+  void enqueue(Pending&& pending);
+  void process(const Pending& pending);
+  void start(const Pending& pending);
+  void predict_to(LabTime t);
+  void predict(double dt_s);
+  void take(const topic::Mru& mru);
+  void take_load(const topic::Bodies& load);
+  void take_platform(const topic::Bodies& platform);
+  void update(const math::SparseRow& row, double innovation, double sd);
+
+  [[nodiscard]] Vector3d triple(int derivative, int first_axis) const;
+  [[nodiscard]] math::BodyMotion ship() const;
+  [[nodiscard]] Tool tool(const math::BodyMotion& ship, const JointMotion& joints) const;
+  [[nodiscard]] double hanging_height(const Eigen::Vector2d& load, const Vector3d& p_WT) const;
+  void add_tool_terms(math::SparseRow& row, const Tool& tool, const Vector3d& weight) const;
+  [[nodiscard]] topic::Estimate estimate_at(LabTime t);
+
+  Belief belief_;
+  ShipAxis axis_model_;
+  std::array<double, kAxes> noise_density_{};
+  math::Matrix3d R_WD_;
+  Filter filter_;
+  LabTime t_{};  ///< time of the filter's state
+  bool started_ = false;
+
+  ArmHistory arm_;
+  double wire_length_m_ = 0;
+  double wire_speed_mps_ = 0;
+  LabTime wire_t_{};
+  bool winch_heard_ = false;
+  bool mru_heard_ = false;
+  bool load_tracked_ = false;
+  bool platform_tracked_ = false;
+  LabTime platform_seen_{};
+  LabTime load_seen_{};
+
+  std::uint64_t mru_seen_ = 0;
+  std::uint64_t load_sequence_ = 0;
+  std::uint64_t platform_sequence_ = 0;
+  std::uint64_t arm_sequence_ = 0;
+  std::uint64_t winch_sequence_ = 0;
+  std::array<Pending, 32> pending_{};
+  std::uint64_t refused_ = 0;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace motionlab::estimator
