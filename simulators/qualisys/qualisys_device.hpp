@@ -99,8 +99,9 @@ class QualisysDevice final : public ServerEvents {
 
   [[nodiscard]] bool measuring() const noexcept { return state_ == Event::capture_started; }
   [[nodiscard]] std::size_t clients() const noexcept { return sessions_.size(); }
-  /// Frames that were captured and not lost, datagrams and packets that could not be sent.
+  /// Frames that were captured and not lost.
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+  /// Datagrams and packets that the transport refused: a client that is gone or does not read.
   [[nodiscard]] std::uint64_t send_failures() const noexcept { return send_failures_; }
 
  private:
