@@ -319,7 +319,8 @@ void WinchDriver::retry_set_up(std::string_view advice) {
   stage_ = Stage::setting_up;
   step_ = Step::system_state;
   step_due_ = true;
-  retry_at_ = now_ + from_seconds(config_.reconnect_max_s);
+  retry_at_ = now_ + from_seconds(backoff_s_);
+  backoff_s_ = std::min(2.0 * backoff_s_, config_.reconnect_max_s);
 }
 
 void WinchDriver::take_step(const AmsFrame& frame) {
@@ -349,6 +350,7 @@ void WinchDriver::take_step(const AmsFrame& frame) {
       const auto info = DeviceInfoResponse::decode(frame.data);
       if (!answered(info)) return;
       device_info_ = *info;
+      delete_notifications();  // those of the connection before outlive it
       break;
     }
     case Step::command_symbol:
@@ -450,11 +452,18 @@ void WinchDriver::resolve_again() {
   send_step();
 }
 
+void WinchDriver::delete_notifications() {
+  for (auto* handle : {&status_notification_, &version_notification_}) {
+    if (*handle != 0) {
+      request(Purpose::clean_up, AdsCommand::delete_notification, DeleteNotificationRequest{*handle});
+    }
+    *handle = 0;
+  }
+}
+
 /// Gives back what the PLC keeps for us.
 void WinchDriver::clean_up() {
-  for (const auto handle : {status_notification_, version_notification_}) {
-    request(Purpose::clean_up, AdsCommand::delete_notification, DeleteNotificationRequest{handle});
-  }
+  delete_notifications();
   for (const auto handle : {command_handle_, status_handle_}) {
     std::array<std::uint8_t, sizeof(handle)> bytes{};
     store<std::endian::little>(bytes, handle);

@@ -149,6 +149,7 @@ class WinchDriver : public StreamEvents {
   [[nodiscard]] Status check_symbol(Bytes answer, std::size_t size, std::string_view type);
   void start_running();
   void resolve_again();
+  void delete_notifications();
   void clean_up();
 
   void check_timeouts();

@@ -50,8 +50,9 @@ std::optional<Fault> check(TcpCommand command, std::size_t length, std::size_t b
 
 NetId NetId::parse(std::string_view text) {
   const auto refuse = [&] {
-    return StartupError("'" + std::string{text} +
-                        "' is not an AMS NetId; write six numbers 0..255, for example 192.168.90.150.1.1");
+    std::string message{text};
+    message += " is not an AMS NetId; write six numbers 0..255, for example 192.168.90.150.1.1";
+    return StartupError(message);
   };
   NetId net_id;
   const char* at = text.data();

@@ -34,7 +34,10 @@ std::chrono::milliseconds watchdog_time(const PlcCommand& command) noexcept {
 
 }  // namespace
 
-PlcProgram::PlcProgram(const PlcConfig& config) : config_(config) {}
+PlcProgram::PlcProgram(const PlcConfig& config) : config_(config) {
+  // The declared initial value of nLayoutVersion; all else is zero until the first cycle, the time stamp too.
+  store<std::endian::little>(memory().subspan(kStatusAt), kLayoutVersion);
+}
 
 double PlcProgram::set_point_m() const noexcept {
   return config_.wire_at_zero_travel_m + config_.pay_out_sign * position_m_;
@@ -201,12 +204,15 @@ double PlcProgram::velocity_wanted(double dt_s) const {
 
 /// The fastest velocity from which the axis still stops before its soft limit, one cycle ahead.
 double PlcProgram::within_braking_distance(double velocity_mps, double dt_s) {
-  const auto allowed = [&](double distance_m) {
-    const double a = config_.stop_deceleration_mps2;
-    return std::sqrt(a * a * dt_s * dt_s + 2.0 * a * std::max(distance_m, 0.0)) - a * dt_s;
+  // The way of this cycle plus v^2 / 2a must fit into the distance; the way depends on how `move` integrates.
+  const double a = config_.stop_deceleration_mps2;
+  const double half = (state_ == PlcState::position ? 1.0 : 0.5) * a * dt_s;
+  const auto allowed = [&](double distance_m, double velocity_now_mps) {
+    const double begun = state_ == PlcState::position ? 0.0 : a * dt_s * velocity_now_mps;
+    return std::max(std::sqrt(std::max(half * half + 2.0 * a * distance_m - begun, 0.0)) - half, 0.0);
   };
-  const double up = allowed(config_.position_max_m - position_m_);
-  const double down = allowed(position_m_ - config_.position_min_m);
+  const double up = allowed(config_.position_max_m - position_m_, velocity_mps_);
+  const double down = allowed(position_m_ - config_.position_min_m, -velocity_mps_);
   limited_ = velocity_mps > up || velocity_mps < -down;
   return std::clamp(velocity_mps, -down, up);
 }
