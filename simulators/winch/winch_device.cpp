@@ -102,12 +102,18 @@ void WinchDevice::on_bytes(SessionId id, Bytes bytes, LabTime t_received) {
 }
 
 void WinchDevice::serve_local(Session& session, const TcpFrame& frame) {
-  if (frame.command != TcpCommand::port_connect) return;  // closing a port and router notes need no answer
+  if (frame.command != TcpCommand::port_connect && frame.command != TcpCommand::port_close) return;
   if (frame.body.size() != sizeof(std::uint16_t)) {
     ++malformed_;
     return;
   }
   const auto wanted = load<std::uint16_t, std::endian::little>(frame.body);
+  if (frame.command == TcpCommand::port_close) {  // the answer of a router is to close the connection
+    const AmsAddress closed{config_.net_id, wanted};
+    std::erase_if(subscriptions_, [&](const Subscription& s) { return s.client == closed; });
+    drop(session.id);
+    return;
+  }
   LittleWriter body{data_};
   body.write_bytes(config_.net_id.numbers);
   body.write(wanted != 0 ? wanted : next_port_++);

@@ -256,7 +256,7 @@ TEST(WinchDevice, RegistersAPortAndLetsItGo) {
   const V close = {0x01, 0x00, 2, 0, 0, 0, 0x00, 0x80};
   client.dut.on_bytes(1, close, client.t);
   EXPECT_EQ(client.bodies.size(), 1U);
-  EXPECT_TRUE(client.closed.empty());
+  EXPECT_EQ(client.closed, (std::vector<SessionId>{1})) << "as a router answers";
 }
 
 TEST(WinchDevice, ClosesOnAMalformedStreamAndOnAnUnknownSource) {
