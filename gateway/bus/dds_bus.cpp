@@ -289,7 +289,7 @@ struct DdsBus::Impl {
       topic = participant->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
     }
     auto link = std::make_unique<Direction>(local, wakeup, counters);
-    const TopicShape shape{Traits::qos, Traits::period_s, T::kKeyed};
+    const TopicShape shape{Traits::qos, Traits::period_s};
     Direction& direction = *link;
     links.emplace_back(Traits::name, std::move(link));  // kept also on failure: listeners outlive endpoints
     if (!topic || !create(direction, *topic, shape, std::string{Traits::partition})) {

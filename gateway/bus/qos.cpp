@@ -1,30 +1,32 @@
 #include "gateway/bus/qos.hpp"
 
-#include <algorithm>
-
 namespace motionlab::bus {
 namespace {
 
 namespace fast = eprosima::fastdds::dds;
 using eprosima::fastrtps::Duration_t;
 
+constexpr int kStateReaderDepth = 16;
+
+int depth_of(QosClass qos) {
+  return qos == QosClass::event ? 100 : qos == QosClass::request ? 16 : 1;
+}
+
 // What writer and reader of a class have in common.
 template <class Qos>
-void set_common(const TopicShape& shape, Qos& qos) {
+void set_common(const TopicShape& shape, int depth, Qos& qos) {
   const bool reliable = shape.qos != QosClass::sensor;
   const bool kept = shape.qos == QosClass::state || shape.qos == QosClass::event;
-  const int depth = shape.qos == QosClass::event ? 100 : shape.qos == QosClass::request ? 16 : 1;
-  const int instances = shape.keyed ? kMaxDdsInstances : 1;
 
   qos.reliability().kind = reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
   qos.durability().kind = kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
   // The default allows ten instances: the eleventh would vanish without a word.
-  qos.resource_limits().max_instances = instances;
+  qos.resource_limits().max_instances = kMaxDdsInstances;
   qos.resource_limits().max_samples_per_instance = depth;
-  qos.resource_limits().max_samples = instances * depth;
-  qos.resource_limits().allocated_samples = std::min(instances * depth, 32);
+  qos.resource_limits().max_samples = kMaxDdsInstances * depth;
+  qos.resource_limits().allocated_samples = kMaxDdsInstances;
   qos.ownership().kind = fast::SHARED_OWNERSHIP_QOS;
   qos.data_sharing().off();  // its segments would outlive a killed process
   if (shape.qos == QosClass::sensor && shape.period_s > 0) {
@@ -42,7 +44,7 @@ void set_common(const TopicShape& shape, Qos& qos) {
 
 fast::DataWriterQos writer_qos(const TopicShape& shape) {
   fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
-  set_common(shape, qos);
+  set_common(shape, depth_of(shape.qos), qos);
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_MEMORY_MODE;
   if (shape.qos == QosClass::command) {
@@ -56,7 +58,11 @@ fast::DataWriterQos writer_qos(const TopicShape& shape) {
 
 fast::DataReaderQos reader_qos(const TopicShape& shape) {
   fast::DataReaderQos qos = fast::DATAREADER_QOS_DEFAULT;
-  set_common(shape, qos);
+  // A reader's depth is its own affair. A reliable reader of a topic without a key that has room for one
+  // sample only has none for the one it waits for while a later one is there already, and starves under a
+  // fast writer.
+  const int depth = depth_of(shape.qos);
+  set_common(shape, shape.qos == QosClass::state ? kStateReaderDepth : depth, qos);
   // Room for samples that are larger than the type allows: they shall be refused and counted, not vanish.
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;

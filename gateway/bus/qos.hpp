@@ -12,7 +12,6 @@ namespace motionlab::bus {
 struct TopicShape {
   QosClass qos;
   double period_s;
-  bool keyed;
 };
 
 [[nodiscard]] eprosima::fastdds::dds::DataWriterQos writer_qos(const TopicShape& shape);

@@ -44,8 +44,8 @@ DdsConfig loopback_with_truth(std::string participant) {
 }
 
 /// Waits for a condition, generously: the machine may be busy.
-[[nodiscard]] bool eventually(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + 60s;
+[[nodiscard]] bool eventually(const std::function<bool()>& condition, Nanoseconds patience = 60s) {
+  const auto end = std::chrono::steady_clock::now() + patience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(2ms);
@@ -113,6 +113,26 @@ TEST(DdsBus, TellsALateJoinerTheMode) {
   auto reader = late.local.reader<topic::Mode>();
   ASSERT_TRUE(eventually([&] { return reader.newest().has_value(); }));
   EXPECT_EQ(reader.newest()->reason.view(), "every device is fresh");
+}
+
+TEST(DdsBus, DoesNotStarveALateJoinerWhileAStateIsWrittenFast) {
+  Side gateway{loopback("gateway")};
+  gateway.dds.out<topic::Mode>();
+  gateway.dds.start();
+  auto publisher = gateway.local.advertise<topic::Mode>();
+  for (int joiner = 0; joiner < 6; ++joiner) {
+    Side late{loopback("late")};
+    late.dds.in<topic::Mode>();
+    late.dds.start();
+    auto reader = late.local.reader<topic::Mode>();
+    EXPECT_TRUE(eventually(
+        [&] {
+          publisher.publish({});
+          return reader.newest().has_value();
+        },
+        5s))
+        << joiner;
+  }
 }
 
 TEST(DdsBus, TellsALateJoinerTheLastHundredEvents) {
