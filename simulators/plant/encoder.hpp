@@ -12,6 +12,8 @@ struct EncoderConfig {
   double joint_noise_rms_rad = 5e-6;
   double joint_quantum_rad = 1e-5;
   double joint_speed_noise_rms_radps = 1e-4;
+
+  static EncoderConfig perfect() { return {0, 0, 0}; }
 };
 
 /// The joint encoders: white noise, then quantised. Joint 3 against the vertical like every joint value here.

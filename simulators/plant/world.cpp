@@ -35,13 +35,22 @@ Cubic<T> cubic(const T& p0, const T& v0, const T& p1, const T& v1, double h, dou
 
 }  // namespace
 
-WorldConfig WorldConfig::ideal() {
-  WorldConfig c;
+WorldConfig WorldConfig::as_believed() const {
+  WorldConfig c = *this;
   c.differences = Differences::none();
-  c.load.wire_ea_n = 2.0e6;  // ten times stiffer: 0.12 mm of stretch, still easily integrated
+  c.load.wire_ea_n *= 10;  // 0.12 mm of stretch, still easily integrated
   c.mru1 = c.mru1.with_white_noise_only();
   c.mru2 = c.mru2.with_white_noise_only();
   c.camera.correlated_rms_m = 0;
+  return c;
+}
+
+WorldConfig WorldConfig::with_perfect_sensors() const {
+  WorldConfig c = *this;
+  c.mru1 = c.mru1.without_errors();
+  c.mru2 = c.mru2.without_errors();
+  c.camera = c.camera.without_errors();
+  c.encoder = EncoderConfig::perfect();
   return c;
 }
 

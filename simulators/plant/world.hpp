@@ -60,6 +60,9 @@ class World {
 
   /// End of the last tick.
   [[nodiscard]] LabTime time() const { return end_.t; }
+  /// Joints at `time()`: cheaper than the whole state.
+  [[nodiscard]] const Joints& q_rad() const { return end_.q; }
+  [[nodiscard]] const Joints& qd_radps() const { return end_.qd; }
   /// The world at `time()`.
   [[nodiscard]] WorldState state() { return sample(end_.t); }
   /// The world at a moment of the last tick: platform exact, the rest by the cubic through both ends of the

@@ -40,7 +40,10 @@ struct WorldConfig {
   Differences differences;
 
   /// Belief is truth: no differences, a nearly rigid wire, white noise only.
-  static WorldConfig ideal();
+  [[nodiscard]] WorldConfig as_believed() const;
+  /// Sensors without noise, bias or drift; rates, latencies and the high-pass of the MRUs stay.
+  [[nodiscard]] WorldConfig with_perfect_sensors() const;
+  static WorldConfig ideal() { return WorldConfig{}.as_believed(); }
 };
 
 }  // namespace motionlab::plant

@@ -1,0 +1,67 @@
+/// @file  The simulated laboratory's configuration: world.toml.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/core/endpoint.hpp"
+#include "drivers/core/toml_reader.hpp"
+#include "simulators/comau/comau_device.hpp"
+#include "simulators/mru/mru_device.hpp"
+#include "simulators/plant/sea.hpp"
+#include "simulators/plant/world_config.hpp"
+#include "simulators/qualisys/qualisys_device.hpp"
+#include "simulators/winch/winch_device.hpp"
+
+namespace motionlab::lab {
+
+/// Names of the devices, as on the topics.
+inline constexpr std::string_view kMru1 = "mru1";
+inline constexpr std::string_view kMru2 = "mru2";
+inline constexpr std::string_view kQualisys = "qualisys";
+inline constexpr std::string_view kArm = "arm";
+inline constexpr std::string_view kWinch = "winch";
+
+/// Names of the rigid bodies in the camera system.
+inline constexpr std::string_view kLoadBody = "load";
+inline constexpr std::string_view kPlatformBody = "platform";
+
+struct LabConfig {
+  LabConfig();
+
+  plant::WorldConfig world;
+  plant::Scenario scenario;
+  std::uint64_t seed = 1;
+
+  /// One simulated unit: where its datagrams come from, and the rest. Period and latency come from the world.
+  struct Mru {
+    Endpoint from;
+    mru::DeviceConfig device;
+  };
+  Mru mru1, mru2;
+  Endpoint qualisys_listen;
+  qualisys::DeviceConfig qualisys;  ///< rate, latency and bodies come from the world
+  Endpoint arm_listen;
+  comau::DeviceConfig arm;
+  Endpoint winch_listen;
+  winch::DeviceConfig winch;
+
+  int bus_domain = 42;
+  std::vector<std::string> bus_interfaces{"127.0.0.1"};
+
+  /// Reads a file with others laid over it. What is absent keeps its default.
+  /// @throws StartupError with file, line, column and advice: unknown key, wrong kind, out of range
+  static LabConfig load(const std::filesystem::path& file,
+                        const std::vector<std::filesystem::path>& overlays = {});
+
+  /// @throws StartupError that lists the names
+  void set_scenario(std::string_view name);
+  void set_platform_tracked(bool tracked) { world.camera.platform_tracked = tracked; }
+  void use_perfect_sensors() { world = world.with_perfect_sensors(); }
+  void use_belief_as_world() { world = world.as_believed(); }
+};
+
+}  // namespace motionlab::lab

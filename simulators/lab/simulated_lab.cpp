@@ -1,0 +1,255 @@
+#include "simulators/lab/simulated_lab.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace motionlab::lab {
+
+namespace {
+
+template <class Vector>
+std::array<double, 3> array3(const Vector& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+std::array<double, 4> array4(const Eigen::Vector4d& q) {
+  return {q[0], q[1], q[2], q[3]};
+}
+
+mru::Reading reading_of(const plant::MruReading& r, double temperature_degc) {
+  return {.euler_heading_mru_rad = array3(r.euler_rad),
+          .omega_mru_radps = array3(r.omega_M_radps),
+          .omega_down_radps = r.omega_down_radps,
+          .v_mru_mps = array3(r.v_unit_M_mps),
+          .a_mru_mps2 = array3(r.a_unit_M_mps2),
+          .p_heading_origin_m = array3(r.p_origin_H_m),
+          .v_heading_origin_mps = array3(r.v_origin_H_mps),
+          .a_heading_origin_mps2 = array3(r.a_origin_H_mps2),
+          .sensor_temperature_degc = temperature_degc};
+}
+
+qualisys::MeasuredBody body_of(std::string_view name, const plant::BodyReading& r) {
+  qualisys::MeasuredBody body;
+  body.name = name;
+  body.tracked = r.tracked;
+  if (r.tracked) {
+    body.p_camera_body_m = array3(r.X_QB.p);
+    body.q_camera_body = array4(r.X_QB.quaternion_wxyz());
+    body.residual_m = r.residual_m;
+  }
+  return body;
+}
+
+mru::DeviceConfig with(mru::DeviceConfig device, const plant::MruConfig& unit, const LabConfig& lab) {
+  device.period_s = unit.period_s;
+  device.output_latency_s = unit.output_latency_s + lab.world.differences.sensor_extra_latency_s;
+  device.seed = lab.seed;
+  return device;
+}
+
+qualisys::DeviceConfig cameras(const LabConfig& lab) {
+  qualisys::DeviceConfig device = lab.qualisys;
+  device.rate_hz = 1 / lab.world.camera.period_s;
+  device.latency_s = lab.world.camera.latency_s + lab.world.differences.sensor_extra_latency_s;
+  device.seed = lab.seed;
+  device.bodies = {{std::string(kLoadBody), true}};
+  if (lab.world.camera.platform_tracked) device.bodies.push_back({std::string(kPlatformBody), true});
+  return device;
+}
+
+comau::DeviceConfig robot_pc(const LabConfig& lab) {
+  comau::DeviceConfig device = lab.arm;
+  device.seed = lab.seed;
+  return device;
+}
+
+winch::DeviceConfig plc(const LabConfig& lab) {
+  winch::DeviceConfig device = lab.winch;
+  device.plc.wire_at_zero_travel_m = lab.world.winch.length_at_zero_travel_m;
+  return device;
+}
+
+/// A sensor or a task that comes round at a fixed period.
+struct Round {
+  LabTime next;
+  Nanoseconds period;
+
+  [[nodiscard]] bool due(LabTime t) const { return next <= t; }
+  LabTime take() { return std::exchange(next, next + period); }
+};
+
+}  // namespace
+
+struct SimulatedLab::Impl {
+  Impl(const LabConfig& config, Network& network, LabTime start)
+      : world(config.world, config.scenario, config.seed, start),
+        mru1_sensor(config.world.mru1, config.world.calibration.world_to_em8000,
+                    world.calibration().em8000_to_mru1, config.seed, "mru1"),
+        mru2_sensor(config.world.mru2, config.world.calibration.world_to_em1500,
+                    world.calibration().em1500_to_mru2, config.seed, "mru2"),
+        camera_sensor(config.world.camera, world.calibration().world_to_qtm, config.seed),
+        encoders(config.world.encoder, config.seed),
+        mru1_socket(network.datagram(config.mru1.from)),
+        mru2_socket(network.datagram(config.mru2.from)),
+        qualisys_server(network.server(config.qualisys_listen)),
+        qualisys_socket(network.datagram({config.qualisys_listen.address, 0})),
+        arm_socket(network.datagram(config.arm_listen)),
+        winch_server(network.server(config.winch_listen)),
+        mru1(with(config.mru1.device, config.world.mru1, config), *mru1_socket),
+        mru2(with(config.mru2.device, config.world.mru2, config), *mru2_socket),
+        qualisys(cameras(config), *qualisys_server, *qualisys_socket),
+        arm(robot_pc(config), *arm_socket),
+        winch(plc(config), *winch_server),
+        robot_cycle{start, plant::World::kTick},
+        plc_task{start, from_seconds(config.winch.plc.task_period_s)},
+        mru1_round{start, from_seconds(config.world.mru1.period_s)},
+        mru2_round{start, from_seconds(config.world.mru2.period_s)},
+        camera_round{start, from_seconds(config.world.camera.period_s)},
+        now(start) {
+    qualisys_server->on_event(&qualisys);
+    winch_server->on_event(&winch);
+    arm_socket->on_datagram(
+        [this](Bytes datagram, Endpoint from, LabTime t) { arm.on_datagram(datagram, from, t); });
+  }
+
+  void run_robot_cycle() {
+    const LabTime t = robot_cycle.take();
+    const auto measured = encoders.read(world.q_rad(), world.qd_radps());
+    arm.cycle(t, measured.q_rad, measured.qd_radps);
+    if (arm.drives_on()) {
+      world.set_joint_set_points(arm.set_point_rad());
+      braked = false;
+    } else if (!braked) {
+      world.set_joint_set_points(world.q_rad());  // the brakes hold it where it is
+      braked = true;
+    }
+    world.advance(robot_cycle.next);
+  }
+
+  void run_plc_task() {
+    const LabTime t = plc_task.take();
+    const plant::WorldState s = world.sample(t);
+    winch.cycle(t, {.wire_length_m = s.winch_length_m,
+                    .wire_speed_mps = s.winch_speed_mps,
+                    .motor_torque_nm = s.winch_torque_nm});
+    world.set_wire_set_point(winch.set_point_m());
+  }
+
+  void expose_cameras() {
+    const LabTime t = camera_round.take();
+    const plant::WorldState s = world.sample(t);
+    const auto seen =
+        camera_sensor.sample({plant::load_orientation(s.crane.swing_rad), s.crane.p_WL}, s.platform.X_WB);
+    frame.bodies.clear();
+    frame.bodies.push_back(body_of(kLoadBody, seen.load));
+    frame.bodies.push_back(body_of(kPlatformBody, seen.platform));
+    qualisys.capture(frame, t);
+  }
+
+  void measure(Round& round, plant::MruSensor& sensor, mru::MruDevice& device, bool second) {
+    const LabTime t = round.take();
+    const plant::WorldState s = world.sample(t);
+    device.measure(
+        reading_of(sensor.sample(second ? s.second : s.platform), sensor.config().temperature_degc), t);
+  }
+
+  [[nodiscard]] LabTime next_event() const {
+    return std::min({robot_cycle.next, plc_task.next, mru1_round.next, mru2_round.next, camera_round.next});
+  }
+
+  void step(LabTime to) {
+    while (true) {
+      const LabTime t = next_event();
+      if (t > to) break;
+      // The cycle first: it runs the tick that begins now, and the others measure in it.
+      if (robot_cycle.due(t)) run_robot_cycle();
+      if (plc_task.due(t)) run_plc_task();
+      if (mru1_round.due(t)) measure(mru1_round, mru1_sensor, mru1, false);
+      if (mru2_round.due(t)) measure(mru2_round, mru2_sensor, mru2, true);
+      if (camera_round.due(t)) expose_cameras();
+    }
+    now = std::max(now, to);
+    mru1.step(now);
+    mru2.step(now);
+    qualisys.step(now);
+    winch.step(now);
+  }
+
+  plant::World world;
+  plant::MruSensor mru1_sensor, mru2_sensor;
+  plant::CameraSensor camera_sensor;
+  plant::JointEncoders encoders;
+
+  std::unique_ptr<DatagramSocket> mru1_socket, mru2_socket;
+  std::unique_ptr<StreamServer> qualisys_server;
+  std::unique_ptr<DatagramSocket> qualisys_socket;
+  std::unique_ptr<DatagramSocket> arm_socket;
+  std::unique_ptr<StreamServer> winch_server;
+
+  mru::MruDevice mru1, mru2;
+  qualisys::QualisysDevice qualisys;
+  comau::ComauDevice arm;
+  winch::WinchDevice winch;
+
+  Round robot_cycle, plc_task, mru1_round, mru2_round, camera_round;
+  LabTime now;
+  bool braked = false;
+  qualisys::CameraFrame frame;
+  std::uint64_t truths = 0;
+};
+
+SimulatedLab::SimulatedLab(const LabConfig& config, Network& network, LabTime start)
+    : impl_(std::make_unique<Impl>(config, network, start)) {}
+
+SimulatedLab::~SimulatedLab() {
+  impl_->arm_socket->on_datagram({});
+  impl_->qualisys_server->on_event(nullptr);
+  impl_->winch_server->on_event(nullptr);
+}
+
+void SimulatedLab::step(LabTime now) {
+  impl_->step(now);
+}
+LabTime SimulatedLab::next_event() const {
+  return impl_->next_event();
+}
+const plant::World& SimulatedLab::world() const {
+  return impl_->world;
+}
+plant::WorldState SimulatedLab::state() {
+  return impl_->world.sample(impl_->now);
+}
+bool SimulatedLab::arm_program_alive() const {
+  return !impl_->arm.crashed();
+}
+
+topic::TruthWorld SimulatedLab::truth() {
+  const plant::WorldState s = state();
+  topic::TruthWorld truth;
+  truth.sequence_number = ++impl_->truths;
+  truth.t_ns = to_ns(s.t);
+  truth.p_world_platform_m = array3(s.platform.X_WB.p);
+  truth.q_world_platform = array4(s.platform.X_WB.quaternion_wxyz());
+  truth.q_rad = s.q_rad;
+  truth.wire_length_m = s.crane.free_length_m;
+  truth.p_world_tool_m = array3(s.crane.tool.p_W);
+  truth.p_world_load_m = array3(s.crane.p_WL);
+  truth.v_world_load_mps = array3(s.crane.v_WL);
+  truth.swing_rad = {s.crane.swing_rad[0], s.crane.swing_rad[1]};
+  truth.p_world_twin_tool_m = array3(s.twin.tool.p_W);
+  truth.p_world_twin_load_m = array3(s.twin.p_WL);
+  truth.twin_swing_rad = {s.twin.swing_rad[0], s.twin.swing_rad[1]};
+  truth.wire_tension_n = s.crane.tension_n;
+  return truth;
+}
+
+Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, bool active, double value) {
+  if (device == kMru1) return impl_->mru1.set_fault(fault, active, value);
+  if (device == kMru2) return impl_->mru2.set_fault(fault, active, value);
+  if (device == kQualisys) return impl_->qualisys.set_fault(fault, active, value);
+  if (device == kArm) return impl_->arm.set_fault(fault, active, value);
+  if (device == kWinch) return impl_->winch.set_fault(fault, active, value);
+  return Fault{Reason::refused, "no such device; there are mru1, mru2, qualisys, arm and winch"};
+}
+
+}  // namespace motionlab::lab

@@ -1,0 +1,56 @@
+/// @file  The simulated laboratory: one world, its sensors, and five devices on a network.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "drivers/core/network.hpp"
+#include "drivers/core/result.hpp"
+#include "drivers/core/time.hpp"
+#include "idl/truth_world.hpp"
+#include "simulators/lab/lab_config.hpp"
+#include "simulators/plant/world.hpp"
+
+namespace motionlab::lab {
+
+/// Everything on the far side of the wires. The network decides whether it talks to real sockets or to the
+/// other half of a lockstep run.
+///
+/// `step(now)` runs, in the order of time, the robot PC's cycle (0.4 ms), the PLC's task (5 ms), MRUs and
+/// cameras (their periods), and lets the devices send what is due. The first of each happens at `start`. A
+/// world tick is run as soon as the robot PC has given its set point for it, so that a measurement inside the
+/// tick can be taken from it; what the winch is told inside a tick acts from the next one on. Deterministic:
+/// the same configuration, network and step times give the same bytes.
+class SimulatedLab {
+ public:
+  /// Binds all sockets. @throws StartupError naming the device and the address
+  SimulatedLab(const LabConfig& config, Network& network, LabTime start);
+  ~SimulatedLab();
+  SimulatedLab(const SimulatedLab&) = delete;
+  SimulatedLab& operator=(const SimulatedLab&) = delete;
+
+  /// Brings everything to `now`. About every millisecond; later calls catch up.
+  void step(LabTime now);
+  /// When something happens next: step no later than this to miss no instant.
+  [[nodiscard]] LabTime next_event() const;
+
+  /// What is really so, at the time of the last `step`.
+  [[nodiscard]] topic::TruthWorld truth();
+  [[nodiscard]] plant::WorldState state();
+  [[nodiscard]] const plant::World& world() const;
+
+  /// Begins or ends a fault of a device (`mru1`, `mru2`, `qualisys`, `arm`, `winch`) by the device's own name
+  /// of it.
+  /// @returns refused, with the names that there are
+  Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
+
+  /// True while the robot program lives; the faithful one can end on its own defects.
+  [[nodiscard]] bool arm_program_alive() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace motionlab::lab
