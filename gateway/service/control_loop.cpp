@@ -1,0 +1,205 @@
+#include "gateway/service/control_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace motionlab::service {
+namespace {
+
+using controller::Obstacle;
+using topic::ModeState;
+
+/// The estimate must know the tool this well before the gateway may be engaged.
+constexpr double kToolSdToEngage = 0.05;
+/// The arm must stand this still before the gateway may be engaged.
+constexpr double kRestToEngage = 0.01;
+/// How long before a state that nobody changed is told again, so that its lease is seen to live.
+constexpr Nanoseconds kModeRepeat = 1s;
+/// How far ahead the owner's lease reaches; renewed with every step of the built-in controller.
+constexpr Nanoseconds kLease = 100ms;
+
+}  // namespace
+
+ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
+                         std::function<std::int64_t()> stopwatch)
+    : config_(config),
+      snapshots_(config, local),
+      schedule_(schedule),
+      stopwatch_(std::move(stopwatch)),
+      estimator_(config.belief),
+      keeper_(config.keeper),
+      guard_(config.limits),
+      modes_(config.authority),
+      p_WL_reference_(Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())),
+      requests_(local.subscribe<topic::ModeRequest>()),
+      references_(local.subscribe<topic::Reference>()),
+      publish_estimate_(local.advertise<topic::Estimate>()),
+      publish_control_(local.advertise<topic::Control>()),
+      publish_arm_(local.advertise<topic::ArmCommand>()),
+      publish_winch_(local.advertise<topic::WinchCommand>()),
+      publish_mode_(local.advertise<topic::Mode>()),
+      publish_event_(local.advertise<topic::Event>()) {}
+
+void ControlLoop::step(LabTime t) {
+  const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
+  take_requests(t);
+  const Snapshot now = snapshots_.at(t);
+  const topic::Estimate estimate = estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch});
+
+  modes_.step(facts(now, estimate));
+
+  const bool engaged = modes_.state() == ModeState::engaged;
+  std::optional<controller::Wish> wish;
+  if (estimate.valid && now.arm) {
+    const LabTime t_send = std::max(t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
+    wish = keeper_.step({t, std::min(t_send, t + 10ms), estimate, *now.arm, p_WL_reference_, engaged});
+  }
+  wish_missing_ = engaged && !wish;
+
+  const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
+  stepped_ = t;
+  const auto guarded = guard_.step({dt, modes_.may_move(), modes_.share_of_limits(), wish,
+                                    now.arm ? std::optional(now.arm->q_rad) : std::nullopt,
+                                    now.winch ? std::optional(now.winch->wire_length_m) : std::nullopt});
+  command(now, guarded);
+  publish_estimate_.publish(estimate);
+
+  topic::Control control;
+  control.sequence_number = ++steps_;
+  control.t_snapshot_ns = to_ns(t);
+  control.following = guarded.follow;
+  if (wish) {
+    control.qd_wish_radps = wish->qd_radps;
+    control.wire_speed_wish_mps = wish->wire_speed_mps;
+  }
+  control.qd_command_radps = guarded.qd_radps;
+  control.wire_speed_command_mps = guarded.wire_speed_mps;
+  control.guard_changed = guarded.changed;
+  control.guard_changed_count = guard_.changed_count();
+  control.age_mru_s = age_s(now.mru, t);
+  control.age_bodies_s = age_s(now.load, t);
+  control.age_arm_s = age_s(now.arm, t);
+  control.age_winch_s = age_s(now.winch, t);
+  if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
+  publish_control_.publish(control);
+  tell_mode(t);
+}
+
+void ControlLoop::take_requests(LabTime t) {
+  while (const auto request = requests_.next()) modes_.request(*request, t);
+  while (const auto reference = references_.next()) {
+    const Eigen::Map<const Eigen::Vector3d> wanted(reference->p_world_load_m.data());
+    // A reference is a wish like any other: only a finite one counts, and the guard has the last word.
+    if (wanted.allFinite()) p_WL_reference_ = wanted;
+  }
+  while (const auto sent = schedule_.sent.pop()) keeper_.sent(from_ns(sent->t_created_ns), *sent);
+}
+
+controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estimate& estimate) {
+  controller::ModeFacts facts;
+  facts.t = now.t;
+  facts.links_up = now.mru && now.arm && now.winch;
+  facts.at_rest = guard_.at_rest();
+  if (now.load && now.load->tracked && fresh(now.load, now.t, config_.qualisys.rule.stale_after_s))
+    load_seen_ = now.t;
+
+  // What ends an engagement: the first that holds is told.
+  const auto unsafe = [&]() -> std::optional<Obstacle> {
+    const auto stale = [](const char* code, const char* text) { return Obstacle{code, text}; };
+    if (!fresh(now.mru, now.t, config_.mrus.front().rule.stale_after_s)) {
+      return stale("mru1_stale", "no fresh sample from mru1; check the unit and its cable, then reset");
+    }
+    if (!fresh(now.arm, now.t, config_.comau.rule.stale_after_s)) {
+      return stale("arm_stale",
+                   "no fresh answer from the robot computer; check that its program runs, then reset");
+    }
+    if (!fresh(now.winch, now.t, config_.winch.rule.stale_after_s)) {
+      return stale("winch_stale", "no fresh status from the winch controller; check the PLC, then reset");
+    }
+    if (now.winch->error)
+      return Obstacle{"winch_fault", "the winch drive reports a fault; clear it at the drive, then reset"};
+    if (!now.mru->stable)
+      return Obstacle{"mru1_unstable", "mru1 says that it is settling; wait until it is stable, then reset"};
+    if (!estimate.valid)
+      return Obstacle{"no_estimate", "there is no estimate; wait until the load is seen, then reset"};
+    if (!load_seen_ || seconds(now.t - *load_seen_) > config_.qualisys.coast_s) {
+      return Obstacle{"load_lost",
+                      "the cameras have not seen the load for too long; free the view, then reset"};
+    }
+    if (wish_missing_)
+      return Obstacle{"out_of_reach",
+                      "the tool point is out of the arm's reach; move the reference, then reset"};
+    return std::nullopt;
+  };
+  facts.unsafe = unsafe();
+
+  // What keeps it from being engaged: all of that, and more.
+  facts.not_ready = facts.unsafe;
+  if (facts.not_ready) return facts;
+  const auto& sd = estimate.p_world_tool_sd_m;
+  const auto& qd = now.arm->qd_radps;
+  if (!estimate.load_tracked) {
+    facts.not_ready = Obstacle{"load_lost", "the cameras do not see the load; free the view"};
+  } else if (config_.belief.use_platform_body && !estimate.platform_tracked) {
+    facts.not_ready = Obstacle{"platform_lost",
+                               "the cameras do not see the body on the platform; free the view or set "
+                               "[control] platform = \"untracked\""};
+  } else if (std::any_of(sd.begin(), sd.end(), [](double s) { return s > kToolSdToEngage; })) {
+    facts.not_ready = Obstacle{"estimate_settling", "the estimate is still settling; wait a few seconds"};
+  } else if (std::any_of(qd.begin(), qd.end(), [](double v) { return std::abs(v) > kRestToEngage; })) {
+    facts.not_ready = Obstacle{"arm_moving", "the arm moves; wait until it rests"};
+  } else if (!now.winch->ready) {
+    facts.not_ready =
+        Obstacle{"winch_not_ready", "the winch drive is not ready; switch on its power and clear its faults"};
+  }
+  return facts;
+}
+
+void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand& guarded) {
+  // Observe and settled send nothing that moves; mode 0 and hold are what "nothing" is on these wires.
+  const bool engaged = modes_.may_move();
+  topic::ArmCommand arm;
+  arm.device = config_.comau.driver.device;
+  arm.sequence_number = steps_ + 1;
+  arm.t_created_ns = to_ns(now.t);
+  arm.follow = guarded.follow;
+  arm.qd_wanted_radps = guarded.qd_radps;
+  publish_arm_.publish(arm);
+
+  topic::WinchCommand winch;
+  winch.device = config_.winch.driver.device;
+  winch.sequence_number = steps_ + 1;
+  winch.t_created_ns = to_ns(now.t);
+  const bool moving = engaged || guarded.wire_speed_mps != 0;
+  const bool powered = modes_.state() == ModeState::engaged || modes_.state() == ModeState::stopping ||
+                       (modes_.state() == ModeState::fault && !guard_.at_rest());
+  winch.enable = powered && modes_.authority() >= topic::Authority::limited;
+  winch.mode = moving && winch.enable ? topic::WinchCommandMode::velocity
+               : winch.enable         ? topic::WinchCommandMode::hold
+                                      : topic::WinchCommandMode::off;
+  winch.reset = modes_.state() == ModeState::engaged && now.winch && !now.winch->enabled;
+  winch.wire_speed_wanted_mps = guarded.wire_speed_mps;
+  publish_winch_.publish(winch);
+}
+
+void ControlLoop::tell_mode(LabTime t) {
+  topic::Mode mode = modes_.topic();
+  const bool changed = mode.sequence_number != mode_told_;
+  if (!changed && steps_ % static_cast<std::uint64_t>(seconds(kModeRepeat) / config_.control_period_s) != 0)
+    return;
+  if (!mode.owner.empty()) mode.t_lease_expires_ns = to_ns(t + kLease);
+  mode_told_ = mode.sequence_number;
+  publish_mode_.publish(mode);
+  if (!changed || mode.state == state_told_) return;
+  state_told_ = mode.state;
+  topic::Event event;
+  event.sequence_number = ++events_;
+  event.t_ns = to_ns(t);
+  event.severity = mode.fault_latched ? topic::Severity::fault : topic::Severity::info;
+  event.source = "mode";
+  event.code = mode.fault_code.empty() ? Text<32>{to_string(mode.state)} : mode.fault_code;
+  event.text = mode.reason;
+  publish_event_.publish(event);
+}
+
+}  // namespace motionlab::service

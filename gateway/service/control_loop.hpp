@@ -1,0 +1,68 @@
+/// @file  The control room: one step from the newest samples to the guarded command.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "drivers/core/time.hpp"
+#include "gateway/bus/local_bus.hpp"
+#include "gateway/controller/guard.hpp"
+#include "gateway/controller/load_keeper.hpp"
+#include "gateway/controller/mode_machine.hpp"
+#include "gateway/estimator/lab_estimator.hpp"
+#include "gateway/service/devices.hpp"
+#include "gateway/service/gateway_config.hpp"
+#include "gateway/service/snapshot.hpp"
+
+namespace motionlab::service {
+
+/// snapshot → estimate → control → guard → command, on the bus.
+///
+/// The same object runs on the control thread in real time and in lockstep. A step never allocates, locks,
+/// logs or does I/O; it takes time as a parameter and knows no device but by its samples.
+class ControlLoop {
+ public:
+  /// @param stopwatch  nanoseconds of a running clock, only to tell how long a step took; nothing in lockstep
+  ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
+              std::function<std::int64_t()> stopwatch = {});
+
+  void step(LabTime t);
+
+  [[nodiscard]] topic::ModeState mode() const { return modes_.state(); }
+
+ private:
+  void take_requests(LabTime t);
+  [[nodiscard]] controller::ModeFacts facts(const Snapshot& snapshot, const topic::Estimate& estimate);
+  void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
+  void tell_mode(LabTime t);
+
+  GatewayConfig config_;
+  Snapshots snapshots_;
+  ArmSchedule& schedule_;
+  std::function<std::int64_t()> stopwatch_;
+
+  estimator::LabEstimator estimator_;
+  controller::LoadKeeper keeper_;
+  controller::Guard guard_;
+  controller::ModeMachine modes_;
+  Eigen::Vector3d p_WL_reference_;
+
+  bus::Subscription<topic::ModeRequest> requests_;
+  bus::Subscription<topic::Reference> references_;
+  bus::Publisher<topic::Estimate> publish_estimate_;
+  bus::Publisher<topic::Control> publish_control_;
+  bus::Publisher<topic::ArmCommand> publish_arm_;
+  bus::Publisher<topic::WinchCommand> publish_winch_;
+  bus::Publisher<topic::Mode> publish_mode_;
+  bus::Publisher<topic::Event> publish_event_;
+
+  std::optional<LabTime> stepped_;
+  std::optional<LabTime> load_seen_;
+  bool wish_missing_ = false;
+  std::uint64_t steps_ = 0;
+  std::uint64_t mode_told_ = 0;
+  topic::ModeState state_told_ = topic::ModeState::off;
+  std::uint64_t events_ = 0;
+};
+
+}  // namespace motionlab::service

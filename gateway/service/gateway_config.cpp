@@ -1,0 +1,225 @@
+#include "gateway/service/gateway_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "drivers/core/toml_reader.hpp"
+
+namespace motionlab::service {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+/// The fastest joint while nothing but us would stop the arm.
+constexpr double kSpeedWithoutWatchdog = 0.1;
+
+constexpr Range kPeriod{.low = 0.0002, .high = 1.0};
+constexpr Range kLatency{.low = 0.0, .high = 0.5};
+constexpr Range kFreshness{.low = 0.005, .high = 2.0};
+
+template <std::size_t N>
+std::array<double, N> scaled(std::array<double, N> values, double by) {
+  for (auto& value : values) value *= by;
+  return values;
+}
+
+math::RigidTransform pose(const TomlTable& table, std::string_view key) {
+  const TomlTable entry = table.table(key);
+  const auto q = entry.numbers<4>("q", {-1.0, 1.0});
+  const auto p = entry.numbers<3>("p_m", {-100.0, 100.0});
+  const double norm = Eigen::Map<const Eigen::Vector4d>(q.data()).norm();
+  if (std::abs(norm - 1.0) > 1e-3) {
+    entry.fail("q", "its length is " + std::to_string(norm) + ", a rotation has 1; write w, x, y, z");
+  }
+  return math::RigidTransform::from_quaternion(Eigen::Map<const Eigen::Vector4d>(q.data()),
+                                               Eigen::Map<const Eigen::Vector3d>(p.data()));
+}
+
+MruLink mru_link(const TomlTable& root, const std::string& name, bool required) {
+  const TomlTable t = root.table(name);
+  MruLink link;
+  link.listen = t.endpoint("listen");
+  link.driver.device = name;
+  link.driver.source_address = Endpoint::parse_address(t.text("source"));
+  link.driver.layout.token = static_cast<std::uint8_t>(t.integer("token", {0, 255}));
+  link.driver.period_s = t.number("period_s", kPeriod);
+  link.driver.latency_s = t.number("latency_s", kLatency);
+  constexpr std::array policies{mru::ChecksumPolicy::ignore, mru::ChecksumPolicy::count,
+                                mru::ChecksumPolicy::enforce};
+  link.driver.checksum.policy = policies[t.choice("checksum", {"ignore", "count", "enforce"})];
+  link.rule = {t.number("stale_after_s", kFreshness), required};
+  return link;
+}
+
+QualisysLink qualisys_link(const TomlTable& root, bool platform_tracked) {
+  const TomlTable t = root.table("qualisys");
+  QualisysLink link;
+  link.server = t.endpoint("server");
+  link.listen = t.endpoint("listen");
+  link.load_body = t.text("load_body");
+  link.platform_body = t.text("platform_body");
+  link.coast_s = t.number("coast_s", {0.0, 10.0});
+  link.driver.bodies = {link.load_body};
+  if (platform_tracked) link.driver.bodies.push_back(link.platform_body);
+  link.driver.server_address = link.server.address;
+  link.driver.udp_port = link.listen.port;
+  link.driver.frame_period_s = t.number("period_s", kPeriod);
+  link.driver.latency_s = t.number("latency_s", kLatency);
+  link.rule = {t.number("stale_after_s", kFreshness), false};
+  return link;
+}
+
+ComauLink comau_link(const TomlTable& root) {
+  const TomlTable t = root.table("comau");
+  ComauLink link;
+  link.listen = t.endpoint("listen");
+  link.driver.robot_computer = t.endpoint("robot_computer");
+  link.driver.command_period_s = t.number("command_period_s", {0.001, 0.02});
+  link.driver.latency_s = t.number("latency_s", kLatency);
+  link.rule = {t.number("stale_after_s", kFreshness), true};
+  link.driver.command_stale_after_s = link.rule.stale_after_s;
+  return link;
+}
+
+WinchLink winch_link(const TomlTable& root) {
+  const TomlTable t = root.table("winch");
+  WinchLink link;
+  link.plc = t.endpoint("plc");
+  link.driver.target = {winch::NetId::parse(t.text("net_id")),
+                        static_cast<std::uint16_t>(t.integer("ads_port", {1, 65535}))};
+  link.driver.local = {winch::NetId::parse(t.text("local_net_id")),
+                       static_cast<std::uint16_t>(t.integer("local_ads_port", {1, 65535}))};
+  link.driver.command_period_s = t.number("command_period_s", {0.005, 0.05});
+  link.driver.latency_s = t.number("latency_s", kLatency);
+  link.driver.wire_at_zero_travel_m = t.number("wire_at_zero_travel_m", {0.0, 20.0});
+  link.driver.pay_out_sign = t.number("pay_out_sign", {-1.0, 1.0});
+  if (std::abs(link.driver.pay_out_sign) != 1.0) t.fail("pay_out_sign", "it is a sign; write 1.0 or -1.0");
+  link.rule = {t.number("stale_after_s", kFreshness), true};
+  return link;
+}
+
+controller::GuardLimits guard_limits(const TomlTable& root) {
+  const TomlTable t = root.table("limits");
+  constexpr Range angle{-2700.0, 2700.0};
+  controller::GuardLimits limits;
+  limits.q_min_rad = scaled(t.numbers<6>("q_min_deg", angle), kDegree);
+  limits.q_max_rad = scaled(t.numbers<6>("q_max_deg", angle), kDegree);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (limits.q_min_rad[i] >= limits.q_max_rad[i]) {
+      t.fail("q_min_deg", "joint " + std::to_string(i + 1) + " has its minimum at or above its maximum");
+    }
+  }
+  limits.qd_max_radps = scaled(t.numbers<6>("qd_max_degps", {0.0, 230.0}), kDegree);
+  limits.qdd_max_radps2 = t.numbers<6>("qdd_max_radps2", {0.0, 50.0});
+  limits.stop_deceleration_radps2 = t.number("stop_deceleration_radps2", {0.1, 10.0});
+  limits.wire_min_m = t.number("wire_min_m", {0.0, 20.0});
+  limits.wire_max_m = t.number("wire_max_m", {0.0, 20.0});
+  if (limits.wire_min_m >= limits.wire_max_m) t.fail("wire_min_m", "it is not below wire_max_m");
+  limits.wire_speed_max_mps = t.number("wire_speed_max_mps", {0.0, 2.378});
+  limits.wire_acceleration_max_mps2 = t.number("wire_acceleration_max_mps2", {0.01, 3.567});
+  return limits;
+}
+
+math::CraneArmGeometry arm_geometry(const TomlTable& t) {
+  constexpr Range length{0.0, 5.0};
+  return {t.number("a1_m", length), t.number("a2_m", length), t.number("a3_m", length),
+          t.number("d1_m", length), t.number("reach_m", length)};
+}
+
+estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& arm, bool platform_tracked) {
+  const TomlTable t = root.table("calibration");
+  estimator::Belief belief;
+  auto& c = belief.calibration;
+  c.X_WN = pose(t, "world_to_em8000");
+  c.X_BR = pose(t, "em8000_to_comau");
+  c.X_WQ = pose(t, "world_to_qtm");
+  c.X_BP = pose(t, "em8000_to_platform_body");
+  const auto misalignment = scaled(t.numbers<3>("mru1_misalignment_deg", {-10.0, 10.0}), kDegree);
+  const auto lever = t.numbers<3>("mru1_lever_to_origin_m", {-20.0, 20.0});
+  c.X_BM = pose(t, "em8000_to_mru1");
+  c.X_BM.R = c.X_BM.R *
+             math::from_euler(Eigen::Map<const Eigen::Vector3d>(misalignment.data()), math::EulerOrder::zyx);
+  c.p_MO = Eigen::Map<const Eigen::Vector3d>(lever.data());
+  constexpr std::array orders{math::EulerOrder::zyx, math::EulerOrder::xyz};
+  c.mru_order = orders[t.choice("mru_euler_order", {"zyx", "xyz"})];
+  c.arm = arm;
+  belief.use_platform_body = platform_tracked;
+  return belief;
+}
+
+}  // namespace
+
+GatewayConfig load_gateway_config(const std::filesystem::path& file,
+                                  const std::vector<std::filesystem::path>& overlays) {
+  const TomlDocument document = TomlDocument::load(file, overlays);
+  const TomlTable root = document.root();
+  GatewayConfig config;
+  config.effective = document.effective();
+
+  const TomlTable control = root.table("control");
+  config.control_period_s = control.number("period_s", {0.0005, 0.01});
+  constexpr std::array ladder{topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited,
+                              topic::Authority::full};
+  config.authority = ladder[control.choice("authority", {"observe", "shadow", "limited", "full"})];
+  const bool tracked = control.choice("platform", {"tracked", "untracked"}) == 0;
+
+  const TomlTable bus = root.table("bus");
+  config.bus.domain = static_cast<int>(bus.integer("domain", {0, 232}));
+  config.bus.interface_whitelist = bus.texts("interfaces");
+  config.bus.participant = bus.text("participant");
+
+  config.mrus = {mru_link(root, "mru1", true), mru_link(root, "mru2", false)};
+  config.qualisys = qualisys_link(root, tracked);
+  config.comau = comau_link(root);
+  config.winch = winch_link(root);
+  config.limits = guard_limits(root);
+  const bool watched = root.table("comau").choice("watchdog", {"none", "relay", "patched"}) != 0;
+  if (!watched) {
+    for (auto& fastest : config.limits.qd_max_radps) fastest = std::min(fastest, kSpeedWithoutWatchdog);
+    config.notes.push_back(
+        "the robot computer has no watchdog: joints are limited to 0.1 rad/s; declare [comau] watchdog when "
+        "it has one");
+  }
+
+  const TomlTable arm = root.table("arm");
+  const math::CraneArmGeometry geometry = arm_geometry(arm);
+  config.belief = belief(root, geometry, tracked);
+  config.keeper.arm = geometry;
+  config.keeper.X_BR = config.belief.calibration.X_BR;
+  config.keeper.servo = {arm.number("servo_omega_radps", {1.0, 200.0}), arm.number("servo_zeta", {0.1, 2.0}),
+                         arm.number("servo_delay_s", {0.0, 0.1})};
+  config.keeper.command_period_s = config.comau.driver.command_period_s;
+  config.p_world_load_reference_m = root.table("reference").numbers<3>("p_world_load_m", {-20.0, 20.0});
+  config.comau.driver.qd_max_radps = config.limits.qd_max_radps;
+  config.comau.driver.stop_deceleration_radps2.fill(config.limits.stop_deceleration_radps2);
+
+  document.refuse_unknown_keys();
+  return config;
+}
+
+std::string wiring(const GatewayConfig& config) {
+  std::ostringstream out;
+  const auto line = [&out](const std::string& who, const std::string& what) {
+    out << "  " << who << '\t' << what << '\n';
+  };
+  for (const auto& mru : config.mrus) {
+    line(mru.driver.device, "listens on udp " + to_string(mru.listen) + ", hears " +
+                                address_to_string(mru.driver.source_address) +
+                                (mru.rule.required ? ", required" : ""));
+  }
+  line(config.qualisys.driver.device, "calls tcp " + to_string(config.qualisys.server) +
+                                          ", frames come to udp " + to_string(config.qualisys.listen));
+  line(config.comau.driver.device, "sends udp from " + to_string(config.comau.listen) + " to " +
+                                       to_string(config.comau.driver.robot_computer) + ", required");
+  line(config.winch.driver.device, "calls tcp " + to_string(config.winch.plc) + " (ADS " +
+                                       winch::to_string(config.winch.driver.target.net_id) + "), required");
+  std::string interfaces;
+  for (const auto& address : config.bus.interface_whitelist) interfaces += ' ' + address;
+  line("bus", "DDS domain " + std::to_string(config.bus.domain) + " on" +
+                  (interfaces.empty() ? std::string(" all interfaces") : interfaces));
+  for (const auto& note : config.notes) line("note", note);
+  return out.str();
+}
+
+}  // namespace motionlab::service

@@ -1,0 +1,79 @@
+/// @file  The gateway's whole configuration as one value, read from lab.toml and its overlays.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "drivers/comau/comau_driver.hpp"
+#include "drivers/core/endpoint.hpp"
+#include "drivers/mru/mru_driver.hpp"
+#include "drivers/qualisys/qualisys_driver.hpp"
+#include "drivers/winch/winch_driver.hpp"
+#include "gateway/bus/dds_bus.hpp"
+#include "gateway/controller/guard.hpp"
+#include "gateway/controller/load_keeper.hpp"
+#include "gateway/estimator/belief.hpp"
+#include "idl/mode.hpp"
+
+namespace motionlab::service {
+
+/// How fresh one device has to be, and whether the gateway can be engaged without it.
+struct LinkRule {
+  double stale_after_s = 0.025;  ///< since the arrival of the newest sample
+  bool required = false;
+};
+
+struct MruLink {
+  Endpoint listen;
+  mru::DriverConfig driver;
+  LinkRule rule;
+};
+
+struct QualisysLink {
+  Endpoint server;
+  Endpoint listen;
+  std::string load_body;
+  std::string platform_body;
+  double coast_s = 3.0;  ///< how long the load may be unseen while engaged
+  qualisys::DriverConfig driver;
+  LinkRule rule;
+};
+
+struct ComauLink {
+  Endpoint listen;
+  comau::DriverConfig driver;
+  LinkRule rule;
+};
+
+struct WinchLink {
+  Endpoint plc;
+  winch::DriverConfig driver;
+  LinkRule rule;
+};
+
+struct GatewayConfig {
+  double control_period_s = 0.001;
+  topic::Authority authority = topic::Authority::full;
+  bus::DdsConfig bus;
+  std::vector<MruLink> mrus;  ///< the first is the one on the crane's ship
+  QualisysLink qualisys;
+  ComauLink comau;
+  WinchLink winch;
+  estimator::Belief belief;
+  controller::LoadKeeperConfig keeper;
+  controller::GuardLimits limits;
+  std::array<double, 3> p_world_load_reference_m{};
+  std::string effective;           ///< the merged text
+  std::vector<std::string> notes;  ///< what a reader of the log should know about it
+};
+
+/// Reads and checks. @throws StartupError with file, line, column and what to write instead
+GatewayConfig load_gateway_config(const std::filesystem::path& file,
+                                  const std::vector<std::filesystem::path>& overlays = {});
+
+/// Who listens where and who is spoken to, one line each, for people.
+[[nodiscard]] std::string wiring(const GatewayConfig& config);
+
+}  // namespace motionlab::service

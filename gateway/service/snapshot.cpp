@@ -1,0 +1,17 @@
+#include "gateway/service/snapshot.hpp"
+
+namespace motionlab::service {
+
+Snapshots::Snapshots(const GatewayConfig& config, bus::LocalBus& local)
+    : mru_{local.reader<topic::Mru>(config.mrus.front().driver.device), {}},
+      load_{local.reader<topic::Bodies>(config.qualisys.driver.device, config.qualisys.load_body), {}},
+      platform_{local.reader<topic::Bodies>(config.qualisys.driver.device, config.qualisys.platform_body),
+                {}},
+      arm_{local.reader<topic::ArmState>(config.comau.driver.device), {}},
+      winch_{local.reader<topic::WinchState>(config.winch.driver.device), {}} {}
+
+Snapshot Snapshots::at(LabTime t) {
+  return {t, mru_.newest(), load_.newest(), platform_.newest(), arm_.newest(), winch_.newest()};
+}
+
+}  // namespace motionlab::service

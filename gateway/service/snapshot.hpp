@@ -1,0 +1,59 @@
+/// @file  The newest samples at one time, each with its age: asynchrony ends here.
+#pragma once
+
+#include <optional>
+
+#include "drivers/core/time.hpp"
+#include "gateway/bus/local_bus.hpp"
+#include "gateway/service/gateway_config.hpp"
+#include "idl/topics.hpp"
+
+namespace motionlab::service {
+
+struct Snapshot {
+  LabTime t{};
+  std::optional<topic::Mru> mru;
+  std::optional<topic::Bodies> load;
+  std::optional<topic::Bodies> platform;
+  std::optional<topic::ArmState> arm;
+  std::optional<topic::WinchState> winch;
+};
+
+/// How old a sample's measurement is at time t, in s; -1 before the first.
+template <class Sample>
+[[nodiscard]] double age_s(const std::optional<Sample>& sample, LabTime t) {
+  return sample ? 1e-9 * static_cast<double>(to_ns(t) - sample->t_measured_ns) : -1.0;
+}
+
+/// Whether a sample arrived within the last `limit_s`. Nothing is fresh before it was heard.
+template <class Sample>
+[[nodiscard]] bool fresh(const std::optional<Sample>& sample, LabTime t, double limit_s) {
+  return sample && 1e-9 * static_cast<double>(to_ns(t) - sample->t_received_ns) <= limit_s;
+}
+
+/// Takes snapshots from the bus. Wait-free; one thread.
+class Snapshots {
+ public:
+  Snapshots(const GatewayConfig& config, bus::LocalBus& local);
+  [[nodiscard]] Snapshot at(LabTime t);
+
+ private:
+  /// Keeps the last sample for the moment in which a reader is overtaken by its writer.
+  template <class T>
+  struct Source {
+    bus::Reader<T> reader;
+    std::optional<T> last;
+    const std::optional<T>& newest() {
+      if (auto sample = reader.newer()) last = *sample;
+      return last;
+    }
+  };
+
+  Source<topic::Mru> mru_;
+  Source<topic::Bodies> load_;
+  Source<topic::Bodies> platform_;
+  Source<topic::ArmState> arm_;
+  Source<topic::WinchState> winch_;
+};
+
+}  // namespace motionlab::service
