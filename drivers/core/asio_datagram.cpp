@@ -25,8 +25,9 @@ constexpr int kReceiveBufferBytes = 1 << 20;
 /// After so many datagrams the other sockets get their turn.
 constexpr int kDatagramsPerTurn = 256;
 
-/// The datagram's age since the kernel stamped it, both in CLOCK_REALTIME; 0 when it has no stamp. A step of
-/// that clock in between cannot make it older than the second that no healthy service lets a datagram wait.
+/// The datagram's age since the kernel stamped it, both in CLOCK_REALTIME; 0 when it has no stamp, as the
+/// first ones of a kernel that has stamped for nobody before. Should that clock step forward in between, what
+/// waits looks older than it is: the safe side.
 Nanoseconds age_of(msghdr& message) noexcept {
   for (cmsghdr* header = CMSG_FIRSTHDR(&message); header; header = CMSG_NXTHDR(&message, header)) {
     if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) continue;
@@ -36,7 +37,7 @@ Nanoseconds age_of(msghdr& message) noexcept {
     clock_gettime(CLOCK_REALTIME, &now);
     const Nanoseconds age =
         std::chrono::seconds{now.tv_sec - stamp.tv_sec} + Nanoseconds{now.tv_nsec - stamp.tv_nsec};
-    return age > 0ns && age < 1s ? age : 0ns;
+    return std::max(age, Nanoseconds{0});
   }
   return 0ns;
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -168,6 +170,21 @@ TEST(MemoryNetwork, GivesTheSameRunForTheSameSeed) {
   };
   EXPECT_EQ(run(1), run(1));
   EXPECT_NE(run(1), run(2));
+}
+
+TEST(MemoryNetwork, ReusesItsBuffersInTheSteadyState) {
+  SteppedClock clock;
+  MemoryNetwork network(clock);
+  const auto a = network.datagram(kA);
+  const auto b = network.datagram(kB);
+  std::set<const std::uint8_t*> buffers;
+  b->on_datagram([&](Bytes bytes, Endpoint, LabTime) { buffers.insert(bytes.data()); });
+  const ByteBuffer datagram(100);
+  for (int i = 0; i < 1000; ++i) {
+    for (int burst = 0; burst < 3; ++burst) ASSERT_TRUE(a->send(kB, datagram).ok());
+    network.run_until(clock.now() + 1ms);
+  }
+  EXPECT_LE(buffers.size(), 4u);
 }
 
 TEST(MemoryNetwork, TwoEndsThatAnswerEachOtherCannotHoldTheTimeStill) {
