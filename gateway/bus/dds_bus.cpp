@@ -84,7 +84,7 @@ class Out final : public Link, private fast::DataWriterListener {
     std::size_t count = 0;
     if constexpr (kPaced) {
       if (now < due_) return 0;
-      due_ += std::max<Nanoseconds>(kPeriod, now - due_ - kPeriod);
+      due_ = std::max(due_ + kPeriod, now);
       bool any = false;
       while (const auto sample = samples_.next()) {
         carried_.sample = *sample;

@@ -1,0 +1,145 @@
+/// @file  A peer that claims our type and sends whatever it likes.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+
+#include "gateway/bus/dds_bus.hpp"
+
+namespace motionlab::bus {
+namespace {
+
+namespace fast = eprosima::fastdds::dds;
+using Bytes = std::vector<unsigned char>;
+
+/// Sends the bytes as they are.
+class AnyBytes final : public fast::TopicDataType {
+ public:
+  explicit AnyBytes(std::string_view claimed_name) {
+    setName(std::string{claimed_name}.c_str());
+    m_typeSize = 16'384;
+    m_isGetKeyDefined = true;
+    auto_fill_type_information(false);
+    auto_fill_type_object(false);
+  }
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<const Bytes*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    return true;
+  }
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t*, void*) override { return false; }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<std::uint32_t>(static_cast<const Bytes*>(data)->size()); };
+  }
+  void* createData() override { return new Bytes; }
+  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
+  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
+    handle->value[0] = 1;  // a key hash that says nothing about the bytes
+    return true;
+  }
+};
+
+class HostilePeer {
+ public:
+  HostilePeer(int domain, const std::string& topic_name, std::string_view type_name) {
+    fast::DomainParticipantQos qos = fast::PARTICIPANT_QOS_DEFAULT;
+    const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList = {"127.0.0.1"};
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(udp);
+    auto* const factory = fast::DomainParticipantFactory::get_instance();
+    participant_ = factory->create_participant(static_cast<std::uint32_t>(domain), qos);
+    fast::TypeSupport type{new AnyBytes{type_name}};
+    type.register_type(participant_);
+    auto* const topic = participant_->create_topic(topic_name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+    fast::DataWriterQos writer_qos = fast::DATAWRITER_QOS_DEFAULT;
+    writer_qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    writer_ =
+        participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT)->create_datawriter(topic, writer_qos);
+  }
+  ~HostilePeer() {
+    participant_->delete_contained_entities();
+    fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  void send(Bytes bytes) { writer_->write(&bytes); }
+
+ private:
+  fast::DomainParticipant* participant_ = nullptr;
+  fast::DataWriter* writer_ = nullptr;
+};
+
+bool eventually(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(5ms);
+  }
+  return true;
+}
+
+Bytes request(std::size_t requester_size, unsigned char action) {
+  Bytes bytes{0, 1, 0, 0};
+  const auto size = static_cast<std::uint32_t>(requester_size + 1);
+  for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<unsigned char>(size >> shift));
+  bytes.insert(bytes.end(), requester_size, 'r');
+  bytes.push_back(0);
+  while ((bytes.size() - 4) % 8 != 0) bytes.push_back(0);
+  bytes.insert(bytes.end(), 16, 0);
+  bytes.insert(bytes.end(), {action, 0, 0, 0, 0, 0, 0, 0});
+  return bytes;
+}
+
+TEST(HostilePeer, IsSurvivedAndCounted) {
+  const int domain = 77 + static_cast<int>(getpid() % 140);
+  LocalBus local;
+  DdsConfig config;
+  config.domain = domain;
+  config.interface_whitelist = {"127.0.0.1"};
+  DdsBus dut{config, local};
+  dut.in<topic::ModeRequest>();
+  dut.start();
+  auto inbox = local.subscribe<topic::ModeRequest>();
+  HostilePeer peer{domain, "motionlab/mode_request", topic::ModeRequest::kTypeName};
+  ASSERT_TRUE(eventually([&] { return dut.matched<topic::ModeRequest>() == 1; }));
+
+  const auto refused_within = [&](Bytes bytes, std::uint64_t DdsCounters::*counter) {
+    const std::uint64_t before = dut.counters().*counter;
+    return eventually([&] {
+      peer.send(bytes);
+      return dut.counters().*counter > before;
+    });
+  };
+  EXPECT_TRUE(refused_within({0, 1, 0, 0}, &DdsCounters::refused_malformed));
+  EXPECT_TRUE(refused_within({1}, &DdsCounters::refused_malformed));
+  EXPECT_TRUE(refused_within({0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff}, &DdsCounters::refused_malformed));
+  EXPECT_TRUE(refused_within(request(300, 0), &DdsCounters::refused_text));
+  EXPECT_TRUE(refused_within(request(4000, 0), &DdsCounters::refused_text));
+  EXPECT_TRUE(refused_within(request(4, 200), &DdsCounters::refused_enum));
+  EXPECT_FALSE(inbox.next()) << "nothing of that was handed on";
+
+  EXPECT_TRUE(eventually([&] {  // and the topic still works
+    peer.send(request(4, 1));
+    const auto sample = inbox.next();
+    return sample && sample->requester.view() == "rrrr" && sample->action == topic::ModeAction::engage;
+  }));
+}
+
+}  // namespace
+}  // namespace motionlab::bus
