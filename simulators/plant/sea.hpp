@@ -18,6 +18,7 @@ struct Scenario {
   double significant_height_m = 0.5;  ///< of heave; random seas only
   double peak_period_s = 7.0;         ///< random seas only
   double peak_enhancement = 3.3;      ///< JONSWAP gamma
+  double delay_s = 0.0;               ///< the ship stands still for so long first
   double fade_in_s = 5.0;             ///< the motion grows from nothing over this time; 0: at once
 };
 
@@ -51,7 +52,8 @@ class ShipMotion {
  public:
   ShipMotion(const Scenario& scenario, std::uint64_t seed);
 
-  /// At `t_s` since the start; before the start it stands at neutral.
+  /// At `t_s` since the ship began to move; before that it stands at neutral. (The delay is the world's
+  /// business.)
   [[nodiscard]] ShipCoordinates at(double t_s) const;
 
  private:

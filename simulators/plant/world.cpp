@@ -57,7 +57,7 @@ WorldConfig WorldConfig::with_perfect_sensors() const {
 World::World(const WorldConfig& config, const Scenario& scenario, std::uint64_t seed, LabTime start)
     : config_(config),
       seed_(seed),
-      start_(start),
+      ship_starts_(start + from_seconds(scenario.delay_s)),
       calibration_(disturbed(config.calibration, config.differences.calibration_offset_m,
                              config.differences.calibration_angle_rad, seed)),
       ship_(scenario, seed),
@@ -82,7 +82,7 @@ World::World(const WorldConfig& config, const Scenario& scenario, std::uint64_t 
 }
 
 PlatformState World::platform_at(LabTime t) {
-  return platform_state(calibration_.world_to_em8000, ship_.at(seconds(t - start_)));
+  return platform_state(calibration_.world_to_em8000, ship_.at(seconds(t - ship_starts_)));
 }
 
 void World::advance(LabTime t) {

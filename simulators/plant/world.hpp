@@ -93,7 +93,7 @@ class World {
 
   WorldConfig config_;
   std::uint64_t seed_;
-  LabTime start_;
+  LabTime ship_starts_;
   Calibration calibration_;
   CachedShipMotion ship_;
   PlatformState second_;

@@ -1,6 +1,7 @@
 /// @file  motionlab-sim: the simulated laboratory on real sockets, in real time.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -47,9 +48,12 @@ std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) 
   return {texts.begin(), texts.end()};
 }
 
-lab::LabConfig configure(const Options& options) {
+lab::LabConfig configure(const Options& options, LabTime now) {
   lab::LabConfig config = lab::LabConfig::load(options.config, paths(options.overlays));
   config.set_scenario(options.scenario);
+  if (options.start_at_ns > 0) {
+    config.scenario.delay_s = std::max(0.0, seconds(from_ns(options.start_at_ns) - now));
+  }
   config.seed = options.seed;
   config.set_platform_tracked(options.platform == "tracked");
   if (options.differences == "off") config.use_belief_as_world();
@@ -127,7 +131,7 @@ class TruthDoor {
       }
     }
     if (now < next_) return;
-    next_ = now + kTruthPeriod;
+    next_ = std::max(next_ + kTruthPeriod, now);
     publisher_.publish(lab.truth());
   }
 
@@ -141,19 +145,23 @@ class TruthDoor {
 
 class Simulator {
  public:
-  Simulator(const Options& options, const lab::LabConfig& config)
-      : network_(io_, clock_),
-        start_(options.start_at_ns > 0 ? from_ns(options.start_at_ns) : clock_.now()),
-        lab_(config, network_, start_),
+  explicit Simulator(const Options& options)
+      : config_(configure(options, clock_.now())),
+        network_(io_, clock_),
+        born_(clock_.now()),
+        start_(born_ + from_seconds(config_.scenario.delay_s)),
+        lab_(config_, network_, born_),
         schedule_(options.faults, lab_),
         timer_(io_),
         signals_(io_, SIGINT, SIGTERM) {
     if (options.seconds > 0) end_ = start_ + from_seconds(options.seconds);
-    if (options.dds) door_.emplace(config);
+    if (options.dds) door_.emplace(config_);
     signals_.async_wait([this](const boost::system::error_code& error, int) {
       if (!error) io_.stop();
     });
   }
+
+  [[nodiscard]] const lab::LabConfig& config() const { return config_; }
 
   void run() {
     serve();
@@ -163,11 +171,9 @@ class Simulator {
  private:
   void serve() {
     const LabTime now = clock_.now();
-    if (now >= start_) {
-      lab_.step(now);
-      schedule_.step(seconds(now - start_));
-      if (door_) door_->step(lab_, now);
-    }
+    lab_.step(now);
+    schedule_.step(seconds(now - start_));
+    if (door_) door_->step(lab_, now);
     if (end_ && now >= *end_) {
       io_.stop();
       return;
@@ -190,9 +196,11 @@ class Simulator {
   }
 
   RealClock clock_;
+  lab::LabConfig config_;
   boost::asio::io_context io_{1};
   AsioNetwork network_;
-  LabTime start_;
+  LabTime born_;   ///< the devices live
+  LabTime start_;  ///< the scenario begins
   std::optional<LabTime> end_;
   LabTime next_discipline_{};
   lab::SimulatedLab lab_;
@@ -214,9 +222,10 @@ int main(int argc, char** argv) {
   app.add_option("--scenario", options.scenario, "thesis-wave, sea, pierson-moskowitz or calm")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "of everything random")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "run so long; 0: until a signal")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--fault", options.faults, "DEVICE:FAULT[=VALUE]@FROM[..UNTIL], seconds since the start");
+  app.add_option("--seconds", options.seconds, "run the scenario so long; 0: until a signal")
+      ->check(CLI::Range(0.0, 1e9));
+  app.add_option("--fault", options.faults,
+                 "DEVICE:FAULT[=VALUE]@FROM[..UNTIL], seconds since the scenario began");
   app.add_option("--platform", options.platform, "markers on the platform or not")
       ->check(CLI::IsMember({"tracked", "untracked"}))
       ->capture_default_str();
@@ -226,13 +235,14 @@ int main(int argc, char** argv) {
   app.add_option("--differences", options.differences, "off: the world is what the gateway believes")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--start-at-ns", options.start_at_ns, "laboratory time at which the world begins; 0: now");
+  app.add_option("--start-at-ns", options.start_at_ns,
+                 "laboratory time at which the scenario begins (the ship stands still until then); 0: now");
   app.add_flag("!--no-dds", options.dds, "publish no truth, take no faults at run time");
   CLI11_PARSE(app, argc, argv);
 
   try {
-    const lab::LabConfig config = configure(options);
-    Simulator simulator(options, config);
+    Simulator simulator(options);
+    const lab::LabConfig& config = simulator.config();
     std::cout << "motionlab-sim: " << options.scenario << ", seed " << options.seed << ", arm at "
               << to_string(config.arm_listen) << ", cameras at " << to_string(config.qualisys_listen)
               << ", winch at " << to_string(config.winch_listen) << ", MRUs to "

@@ -88,6 +88,18 @@ TEST(World, HowOftenItIsAskedChangesNothing) {
   EXPECT_EQ(often.state().crane.p_WL, seldom.state().crane.p_WL);
 }
 
+TEST(World, AShipThatStartsLaterMovesAsOneThatStartsAtOnce) {
+  Scenario later = scenario("thesis-wave");
+  later.delay_s = 1.2345;
+  World delayed({}, later, 1), at_once({}, scenario("thesis-wave"), 1);
+  delayed.advance(at_ms(1200));
+  EXPECT_EQ(delayed.state().platform.v_WB.norm(), 0);
+  delayed.advance(at_ms(9234.8));
+  at_once.advance(at_ms(8000.4));
+  const Vector3d p = delayed.sample(at_ms(9234.5)).platform.X_WB.p;
+  EXPECT_LT((p - at_once.sample(at_ms(8000)).platform.X_WB.p).norm(), 1e-12);
+}
+
 TEST(World, WithoutCommandsTheCraneIsItsTwin) {
   World world({}, scenario("thesis-wave"), 1);
   world.advance(at_ms(20000));
