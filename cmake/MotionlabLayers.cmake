@@ -3,7 +3,7 @@
 
 set(MOTIONLAB_LAYER_NAMES
   "0 core" "1 vocabulary and theorems" "2 wire codecs" "3 bus" "4 beliefs, laws, world" "5 both ends of each wire"
-  "6 assemblies" "7 programs")
+  "6 assemblies" "7 lockstep" "8 programs")
 
 # motionlab_library(NAME LAYER n DIRECTORY dir SOURCES … [LINKS …] [EXTERNAL …])
 #   LINKS     targets of the house, each of a lower layer
@@ -24,14 +24,14 @@ function(motionlab_library NAME)
   motionlab_register(${NAME} ${ARG_LAYER} ${ARG_DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
-# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …]): an executable of layer 7, installed.
+# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …]): an executable of layer 8, installed.
 function(motionlab_program NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;EXTERNAL" ${ARGN})
   file(RELATIVE_PATH DIRECTORY ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE motionlab_flags ${ARG_LINKS} ${ARG_EXTERNAL})
   install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  motionlab_register(${NAME} 7 ${DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
+  motionlab_register(${NAME} 8 ${DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
 function(motionlab_register NAME LAYER DIRECTORY SOURCES LINKS)

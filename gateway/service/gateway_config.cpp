@@ -52,7 +52,7 @@ MruLink mru_link(const TomlTable& root, const std::string& name, bool required) 
   return link;
 }
 
-QualisysLink qualisys_link(const TomlTable& root, bool platform_tracked) {
+QualisysLink qualisys_link(const TomlTable& root) {
   const TomlTable t = root.table("qualisys");
   QualisysLink link;
   link.server = t.endpoint("server");
@@ -60,8 +60,6 @@ QualisysLink qualisys_link(const TomlTable& root, bool platform_tracked) {
   link.load_body = t.text("load_body");
   link.platform_body = t.text("platform_body");
   link.coast_s = t.number("coast_s", {0.0, 10.0});
-  link.driver.bodies = {link.load_body};
-  if (platform_tracked) link.driver.bodies.push_back(link.platform_body);
   link.driver.server_address = link.server.address;
   link.driver.udp_port = link.listen.port;
   link.driver.frame_period_s = t.number("period_s", kPeriod);
@@ -127,7 +125,7 @@ math::CraneArmGeometry arm_geometry(const TomlTable& t) {
           t.number("d1_m", length), t.number("reach_m", length)};
 }
 
-estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& arm, bool platform_tracked) {
+estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& arm) {
   const TomlTable t = root.table("calibration");
   estimator::Belief belief;
   auto& c = belief.calibration;
@@ -144,7 +142,6 @@ estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& ar
   constexpr std::array orders{math::EulerOrder::zyx, math::EulerOrder::xyz};
   c.mru_order = orders[t.choice("mru_euler_order", {"zyx", "xyz"})];
   c.arm = arm;
-  belief.use_platform_body = platform_tracked;
   return belief;
 }
 
@@ -162,7 +159,8 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   constexpr std::array ladder{topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited,
                               topic::Authority::full};
   config.authority = ladder[control.choice("authority", {"observe", "shadow", "limited", "full"})];
-  const bool tracked = control.choice("platform", {"tracked", "untracked"}) == 0;
+  const bool tracked =
+      control.choice("platform", {"tracked", "untracked"}) == 0;  // taken below, by all it concerns
 
   const TomlTable bus = root.table("bus");
   config.bus.domain = static_cast<int>(bus.integer("domain", {0, 232}));
@@ -170,7 +168,7 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.bus.participant = bus.text("participant");
 
   config.mrus = {mru_link(root, "mru1", true), mru_link(root, "mru2", false)};
-  config.qualisys = qualisys_link(root, tracked);
+  config.qualisys = qualisys_link(root);
   config.comau = comau_link(root);
   config.winch = winch_link(root);
   config.limits = guard_limits(root);
@@ -184,7 +182,7 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
 
   const TomlTable arm = root.table("arm");
   const math::CraneArmGeometry geometry = arm_geometry(arm);
-  config.belief = belief(root, geometry, tracked);
+  config.belief = belief(root, geometry);
   config.keeper.arm = geometry;
   config.keeper.X_BR = config.belief.calibration.X_BR;
   config.keeper.servo = {arm.number("servo_omega_radps", {1.0, 200.0}), arm.number("servo_zeta", {0.1, 2.0}),
@@ -194,8 +192,15 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.comau.driver.qd_max_radps = config.limits.qd_max_radps;
   config.comau.driver.stop_deceleration_radps2.fill(config.limits.stop_deceleration_radps2);
 
+  config.set_platform_tracked(tracked);
   document.refuse_unknown_keys();
   return config;
+}
+
+void GatewayConfig::set_platform_tracked(bool tracked) {
+  belief.use_platform_body = tracked;
+  qualisys.driver.bodies = {qualisys.load_body};
+  if (tracked) qualisys.driver.bodies.push_back(qualisys.platform_body);
 }
 
 std::string wiring(const GatewayConfig& config) {

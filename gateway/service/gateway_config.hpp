@@ -67,6 +67,9 @@ struct GatewayConfig {
   std::array<double, 3> p_world_load_reference_m{};
   std::string effective;           ///< the merged text
   std::vector<std::string> notes;  ///< what a reader of the log should know about it
+
+  /// Whether the cameras see a body on the platform, or the load alone.
+  void set_platform_tracked(bool tracked);
 };
 
 /// Reads and checks. @throws StartupError with file, line, column and what to write instead

@@ -77,12 +77,12 @@ monitor::Report run(const Options& options) {
   lockstep::Lockstep line(config);
 
   monitor::ScorerConfig scoring;
-  scoring.labels = {.scenario = options.scenario,
-                    .controller = options.controller,
-                    .estimator = options.estimator,
-                    .sensors = options.sensors,
-                    .seed = options.seed,
-                    .platform = options.platform};
+  scoring.labels.scenario = options.scenario;
+  scoring.labels.controller = options.controller;
+  scoring.labels.estimator = options.estimator;
+  scoring.labels.sensors = options.sensors;
+  scoring.labels.seed = options.seed;
+  scoring.labels.platform = options.platform;
   scoring.p_world_load_m = config.gateway.p_world_load_reference_m;
   scoring.t_start = LabTime{};
   scoring.score_from_s = options.score_from_s;

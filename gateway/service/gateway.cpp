@@ -1,0 +1,193 @@
+#include "gateway/service/gateway.hpp"
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "drivers/core/asio_network.hpp"
+#include "gateway/bus/dds_bus.hpp"
+#include "gateway/bus/local_bus.hpp"
+#include "gateway/service/control_loop.hpp"
+#include "gateway/service/devices.hpp"
+#include "gateway/service/real_time.hpp"
+
+namespace motionlab::service {
+namespace {
+
+constexpr auto kDriverPeriod = std::chrono::milliseconds{1};
+constexpr int kControlPriority = 80;
+constexpr int kIoPriority = 70;
+
+std::int64_t monotonic_ns() {
+  return std::chrono::steady_clock::now().time_since_epoch().count();
+}
+
+}  // namespace
+
+struct Gateway::Impl {
+  Impl(const GatewayConfig& c, Clock& clock_in)
+      : config(c),
+        clock(clock_in),
+        network(io, clock),
+        devices(c, network, local, schedule),
+        control(c, local, schedule, monotonic_ns),
+        events(local.subscribe<topic::Event>()),
+        modes(local.reader<topic::Mode>()),
+        requests(local.advertise<topic::ModeRequest>()),
+        dds(c.bus, local),
+        driver_timer(io) {
+    dds.out<topic::Mru>();
+    dds.out<topic::Bodies>();
+    dds.out<topic::ArmState>();
+    dds.out<topic::ArmCommand>();
+    dds.out<topic::WinchState>();
+    dds.out<topic::WinchCommand>();
+    dds.out<topic::Estimate>();
+    dds.out<topic::Control>();
+    dds.out<topic::Mode>();
+    dds.out<topic::Health>();
+    dds.out<topic::Event>();
+    dds.in<topic::ModeRequest>();
+    dds.in<topic::Reference>();
+  }
+
+  /// Steps the drivers each millisecond, and exactly when the arm's next command is due.
+  void arm_driver_timer() {
+    const LabTime now = clock.now();
+    const auto until_send = std::chrono::duration_cast<std::chrono::nanoseconds>(devices.next_send() - now);
+    const auto wait =
+        until_send > 0ns && until_send < kDriverPeriod ? until_send : Nanoseconds{kDriverPeriod};
+    driver_timer.expires_after(wait);
+    driver_timer.async_wait([this](const boost::system::error_code& cancelled) {
+      if (cancelled) return;
+      devices.step(clock.now());
+      arm_driver_timer();
+    });
+  }
+
+  void run_control(std::promise<std::string> told) {
+    told.set_value(become_real_time("control", kControlPriority));
+    Metronome metronome(from_seconds(config.control_period_s));
+    while (!stopping.load(std::memory_order_relaxed)) {
+      missed.fetch_add(metronome.wait(), std::memory_order_relaxed);
+      control.step(clock.now());
+    }
+  }
+
+  void run_io(std::promise<std::string> told) {
+    told.set_value(become_real_time("io", kIoPriority));
+    arm_driver_timer();
+    io.run();
+  }
+
+  /// Runs a thread function that first tells what the kernel refused it.
+  std::string launch(std::thread& thread, void (Impl::*body)(std::promise<std::string>)) {
+    std::promise<std::string> promise;
+    auto refused = promise.get_future();
+    thread = std::thread(body, this, std::move(promise));
+    return refused.get();
+  }
+
+  /// Waits on the calling thread until `done` holds or patience ends.
+  template <class Done>
+  static bool wait_until(Done&& done, std::chrono::steady_clock::time_point end) {
+    while (!done()) {
+      if (std::chrono::steady_clock::now() >= end) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds{2});
+    }
+    return true;
+  }
+
+  void ask(topic::ModeAction action) {
+    topic::ModeRequest request;
+    request.requester = "motionlab-gateway";
+    request.t_created_ns = to_ns(clock.now());
+    request.action = action;
+    requests.publish(request);
+  }
+
+  GatewayConfig config;
+  Clock& clock;
+  bus::LocalBus local;
+  ArmSchedule schedule;
+  boost::asio::io_context io{1};
+  AsioNetwork network;
+  Devices devices;
+  ControlLoop control;
+  bus::Subscription<topic::Event> events;
+  bus::Reader<topic::Mode> modes;
+  bus::Publisher<topic::ModeRequest> requests;
+  bus::DdsBus dds;
+  boost::asio::steady_timer driver_timer;
+  std::thread io_thread;
+  std::thread control_thread;
+  std::atomic<bool> stopping{false};
+  std::atomic<std::uint64_t> missed{0};
+};
+
+Gateway::Gateway(const GatewayConfig& config, Clock& clock) : impl_(std::make_unique<Impl>(config, clock)) {}
+
+Gateway::~Gateway() {
+  if (impl_->io_thread.joinable()) stop(0ns);
+}
+
+std::vector<std::string> Gateway::start() {
+  std::vector<std::string> refused;
+  const auto note = [&refused](std::string sentence) {
+    if (!sentence.empty()) refused.push_back(std::move(sentence));
+  };
+  note(lock_memory());
+  impl_->dds.start();
+  note(impl_->launch(impl_->io_thread, &Impl::run_io));
+  note(impl_->launch(impl_->control_thread, &Impl::run_control));
+  return refused;
+}
+
+bool Gateway::stop(Nanoseconds patience) {
+  Impl& g = *impl_;
+  const auto end = std::chrono::steady_clock::now() + patience;
+  g.ask(topic::ModeAction::settle);
+  const bool settled = Impl::wait_until(
+      [&] {
+        const auto state = mode().state;
+        return state != topic::ModeState::engaged && state != topic::ModeState::stopping;
+      },
+      end);
+  // The devices belong to the io thread; ask it, and look again through it.
+  std::atomic<bool> devices_stopped{false};
+  boost::asio::post(g.io, [&g] { g.devices.orderly_stop(); });
+  const bool stopped = Impl::wait_until(
+      [&] {
+        boost::asio::post(g.io, [&g, &devices_stopped] { devices_stopped.store(g.devices.stopped()); });
+        return devices_stopped.load();
+      },
+      end);
+  g.stopping.store(true);
+  g.control_thread.join();
+  boost::asio::post(g.io, [&g] { g.io.stop(); });
+  g.io_thread.join();
+  g.dds.stop();
+  return settled && stopped;
+}
+
+void Gateway::drain_events(const std::function<void(const topic::Event&)>& each) {
+  while (const auto event = impl_->events.next()) each(*event);
+}
+
+topic::Mode Gateway::mode() const {
+  return impl_->modes.newest().value_or(topic::Mode{});
+}
+
+void Gateway::for_each_health(const std::function<void(const topic::Health&)>& each) const {
+  impl_->local.for_each_newest<topic::Health>(each);
+}
+
+std::uint64_t Gateway::missed_beats() const {
+  return impl_->missed.load(std::memory_order_relaxed);
+}
+
+}  // namespace motionlab::service

@@ -1,0 +1,30 @@
+/// @file  What a control thread asks of the kernel, and what it gets.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "drivers/core/time.hpp"
+
+namespace motionlab::service {
+
+/// Locks the process' memory as it is touched. @returns what was refused, as a sentence; empty when granted
+[[nodiscard]] std::string lock_memory();
+
+/// Names the calling thread, asks for SCHED_FIFO and for prompt timers. @returns as above
+[[nodiscard]] std::string become_real_time(const char* name, int priority);
+
+/// Wakes once per period on an absolute schedule of the monotonic clock. A period that was slept through is
+/// skipped.
+class Metronome {
+ public:
+  explicit Metronome(Nanoseconds period);
+  /// Sleeps until the next beat. @returns how many beats were missed since the last
+  std::uint64_t wait();
+
+ private:
+  Nanoseconds period_;
+  Nanoseconds next_;
+};
+
+}  // namespace motionlab::service
