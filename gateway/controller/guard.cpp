@@ -9,6 +9,10 @@ namespace {
 /// Longest time that one step may claim to have passed: a late step must not buy a jump.
 constexpr double kLongestStep = 0.005;
 
+/// What is on its way counts as travelled: one command period at the last velocity, and the servo's lag
+/// behind it.
+constexpr double kReaction = 0.07;
+
 double towards_zero(double value, double by) {
   return value > 0 ? std::max(0.0, value - by) : std::min(0.0, value + by);
 }
@@ -33,9 +37,6 @@ double Guard::guard_joint(std::size_t i, double wish, double q, double authority
     if (kept != qd) changed |= bit << i;
     qd = kept;
   };
-  // What is on its way counts as travelled: one command period at the last velocity, and the servo's lag
-  // behind it.
-  constexpr double kReaction = 0.07;
   const double ahead = q + kReaction * last_.qd_radps[i];
   const double a = limits_.stop_deceleration_radps2;
   const double up = stopping_speed(limits_.q_max_rad[i] - std::max(q, ahead), a);
@@ -44,8 +45,12 @@ double Guard::guard_joint(std::size_t i, double wish, double q, double authority
   const double fastest = authority * limits_.qd_max_radps[i];
   bound(-fastest, fastest, kGuardVelocity);
   const double before = last_.qd_radps[i];
-  const double step = std::max(authority * limits_.qdd_max_radps2[i], a) * dt;
-  bound(before - step, before + step, kGuardAcceleration);
+  // Away from rest within the share of the limit, towards rest always at the stop deceleration at least.
+  const double away = authority * limits_.qdd_max_radps2[i] * dt;
+  const double towards = std::max(away, a * dt);
+  const double low = before > 0 ? std::min(before - away, std::max(before - towards, 0.0)) : before - away;
+  const double high = before < 0 ? std::max(before + away, std::min(before + towards, 0.0)) : before + away;
+  bound(low, high, kGuardAcceleration);
   return qd;
 }
 
@@ -53,16 +58,17 @@ double Guard::guard_winch(double wish, double length, double authority, double d
                           std::uint32_t& changed) const {
   const double a = limits_.wire_acceleration_max_mps2;
   const double fastest = authority * limits_.wire_speed_max_mps;
-  const double out = std::min(fastest, stopping_speed(limits_.wire_max_m - length, a));
-  const double in = -std::min(fastest, stopping_speed(length - limits_.wire_min_m, a));
   const double before = last_.wire_speed_mps;
+  const double ahead = length + kReaction * before;
+  const double out = std::min(fastest, stopping_speed(limits_.wire_max_m - std::max(length, ahead), a));
+  const double in = -std::min(fastest, stopping_speed(std::min(length, ahead) - limits_.wire_min_m, a));
   const double speed = std::clamp(std::clamp(wish, in, out), before - a * dt, before + a * dt);
   if (speed != wish) changed |= kGuardWinch;
   return speed;
 }
 
 GuardedCommand Guard::step(const Inputs& in) {
-  const double dt = std::clamp(in.dt_s, 0.0, kLongestStep);
+  const double dt = std::isnan(in.dt_s) ? 0.0 : std::clamp(in.dt_s, 0.0, kLongestStep);
   const bool wish_finite = in.wish && finite(in.wish->qd_radps) && std::isfinite(in.wish->wire_speed_mps);
   const bool posture_finite =
       in.q_rad && finite(*in.q_rad) && in.wire_length_m && std::isfinite(*in.wire_length_m);

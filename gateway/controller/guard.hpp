@@ -53,7 +53,7 @@ class Guard {
   struct Inputs {
     double dt_s = 0;         ///< since the last step, > 0
     bool may_move = false;   ///< the mode allows motion
-    double authority = 1.0;  ///< share of velocity and acceleration limits, 0…1
+    double authority = 1.0;  ///< share of velocity and acceleration limits, 0…1; braking has its own
     std::optional<Wish> wish;
     std::optional<std::array<double, 6>>
         q_rad;  ///< the newest measured posture; nothing: no motion but braking

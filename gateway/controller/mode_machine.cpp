@@ -13,7 +13,8 @@ void ModeMachine::request(const topic::ModeRequest& request, LabTime t) {
       settle_asked_ = true;
       break;
     case ModeAction::engage:
-      engage_asked_by_ = request.requester;
+      // An owner without a name owns nothing.
+      if (!request.requester.empty()) engage_asked_by_ = request.requester;
       break;
     case ModeAction::reset:
       reset_asked_ = true;
@@ -21,12 +22,17 @@ void ModeMachine::request(const topic::ModeRequest& request, LabTime t) {
     case ModeAction::authority:
       // More authority is never granted while something moves.
       if (request.authority > topic::Authority::full) break;
-      if (state_ == State::engaged && request.authority > authority_) {
+      if ((state_ == State::engaged || state_ == State::stopping) && request.authority > authority_) {
         enter(state_, t, "authority_refused", "more authority is granted only while settled; settle first");
         break;
       }
       authority_ = request.authority;
-      enter(state_, t, "", "authority changed on request");
+      // A latched fault goes on telling its cause.
+      if (state_ == State::fault) {
+        enter(state_, t, topic_.fault_code, topic_.reason);
+      } else {
+        enter(state_, t, "", "authority changed on request");
+      }
       break;
   }
 }
@@ -45,9 +51,11 @@ void ModeMachine::step(const ModeFacts& facts) {
   const bool engage = engage_asked_by_.has_value() && !settle;
   const std::string_view unsafe_code = facts.unsafe ? facts.unsafe->code.view() : "";
   const std::string_view unsafe_text = facts.unsafe ? facts.unsafe->text.view() : "";
-  const std::string_view hindrance_code = facts.not_ready ? facts.not_ready->code.view() : "";
-  const std::string_view hindrance = facts.not_ready ? facts.not_ready->text.view() : "";
-  const bool hindered = facts.not_ready.has_value();
+  // What would stop an engaged gateway also keeps it from engaging.
+  const std::optional<Obstacle>& not_ready = facts.not_ready ? facts.not_ready : facts.unsafe;
+  const std::string_view hindrance_code = not_ready ? not_ready->code.view() : "";
+  const std::string_view hindrance = not_ready ? not_ready->text.view() : "";
+  const bool hindered = not_ready.has_value();
   const bool unsafe = facts.unsafe.has_value();
 
   // The first row that applies is taken; its order within a state is its priority.
@@ -63,8 +71,9 @@ void ModeMachine::step(const ModeFacts& facts) {
       Transition{State::stopping, State::fault, unsafe, unsafe_code, unsafe_text},
       Transition{State::stopping, State::settled, facts.at_rest, "", "at rest; nothing is commanded"},
       Transition{State::fault, State::fault, reset && unsafe, unsafe_code, unsafe_text},
-      Transition{State::fault, State::settled, reset && facts.at_rest && !unsafe, "",
-                 "fault was reset at rest"},
+      Transition{State::fault, State::fault, reset && !facts.at_rest, topic_.fault_code,
+                 "a fault is reset only at rest; ask again"},
+      Transition{State::fault, State::settled, reset, "", "fault was reset at rest"},
   };
   for (const Transition& row : table) {
     if (row.from != state_ || !row.applies) continue;

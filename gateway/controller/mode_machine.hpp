@@ -1,4 +1,5 @@
-/// @file  Modes: off → settled → ready → engaged → stopping → settled, and fault from anywhere, latched.
+/// @file  Modes: off → settled → ready → engaged → stopping → settled, and fault from all that moves,
+/// latched.
 #pragma once
 
 #include <optional>
@@ -34,9 +35,10 @@ class ModeMachine {
   using State = topic::ModeState;
 
   /// @param authority  what the gateway may do once engaged, until somebody asks for another
-  explicit ModeMachine(topic::Authority authority) : authority_(authority) {}
+  explicit ModeMachine(topic::Authority authority) : authority_(authority) { topic_.authority = authority; }
 
-  /// Takes one request. Settle wins over everything that was asked before it in the same cycle.
+  /// Takes one request. Settle wins over everything else that was asked in the same cycle. To engage takes a
+  /// requester with a name.
   void request(const topic::ModeRequest& request, LabTime t);
 
   /// Advances by the facts. Call once per control step, after the requests.

@@ -47,7 +47,7 @@ void SetPointObserver::step_servo(const Vector3d& set_point, double dt) {
 }
 
 void SetPointObserver::measured(LabTime t, const Vector3d& q, const Vector3d& qd) {
-  if (heard_ && t <= t_) return;
+  if ((heard_ && t <= t_) || !q.allFinite() || !qd.allFinite()) return;
   const LabTime t_set_point = t - from_seconds(servo_.delay_s);
   // After a silence longer than the ring remembers, or while the robot holds, there is nothing to integrate.
   if (!heard_ || t - t_ > 200ms || !following(t_set_point_, t_set_point)) {

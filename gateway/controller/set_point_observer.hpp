@@ -26,7 +26,8 @@ class SetPointObserver {
   /// A velocity command left at time t; it holds until the next. In order of time.
   void sent(LabTime t, bool follow, const Vector3d& qd_radps);
 
-  /// The joints were measured at time t. While the robot holds, its set point follows the measurement.
+  /// The joints were measured at time t. While the robot holds, its set point follows the measurement. One
+  /// that is not newer than the last, or not finite, is ignored.
   void measured(LabTime t, const Vector3d& q_rad, const Vector3d& qd_radps);
 
   /// The set point at time t, not before the last measurement. The measured posture before anything was sent,

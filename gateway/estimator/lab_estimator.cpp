@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace motionlab::estimator {
 namespace {
@@ -40,6 +41,43 @@ constexpr Nanoseconds kSeenFor = 100ms;
 constexpr Nanoseconds kLateTolerance = 3ms;
 /// Longest step of the covariance prediction; longer gaps are crossed in several.
 constexpr double kLongestStep = 0.01;
+/// When nothing at all was heard for this long, the filter goes on alone, so that its deviations tell.
+constexpr Nanoseconds kAloneAfter = 50ms;
+/// A jump of time longer than this is not crossed: everything begins anew.
+constexpr Nanoseconds kLongestGap = 2s;
+/// Stamps further from the present than this are wrong, not early or late.
+constexpr Nanoseconds kAheadTolerance = 10ms;
+constexpr Nanoseconds kOldest = 10s;
+/// No reading of any laboratory is larger, in SI units.
+constexpr double kLargest = 1e3;
+/// A wire outside of these is no pendulum.
+constexpr double kShortestWire = 0.1, kLongestWire = 100.0;
+/// So many sightings of the load refused in a row say that the state is wrong, not they.
+constexpr int kRefusalsToReplace = 40;
+
+/// Whether every value is finite and of a possible size.
+template <std::size_t N>
+bool sane(const std::array<double, N>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= kLargest; });
+}
+bool sane(const topic::ArmState& arm) {
+  return sane(arm.q_rad) && sane(arm.qd_radps);
+}
+bool sane(const topic::WinchState& winch) {
+  return winch.wire_length_m >= kShortestWire && winch.wire_length_m <= kLongestWire &&
+         std::abs(winch.wire_speed_mps) <= kLargest;
+}
+bool sane(const topic::Mru& mru) {
+  return sane(mru.euler_heading_mru_rad) && sane(mru.omega_mru_radps) && sane(mru.a_heading_origin_mps2);
+}
+/// Of a point only the place counts; the pose of a lost body means nothing.
+bool sane_point(const topic::Bodies& body) {
+  return !body.tracked || sane(body.p_camera_body_m);
+}
+bool sane_pose(const topic::Bodies& body) {
+  const double norm = Eigen::Map<const Eigen::Vector4d>(body.q_camera_body.data()).norm();
+  return !body.tracked || (sane(body.p_camera_body_m) && std::abs(norm - 1) < 0.01);
+}
 
 }  // namespace
 
@@ -47,6 +85,15 @@ LabEstimator::LabEstimator(const Belief& belief)
     : belief_(belief),
       axis_model_(belief.ship.period_s, belief.ship.damping),
       R_WD_(level_frame(belief.calibration.X_WN.R)) {
+  begin();
+}
+
+void LabEstimator::begin() {
+  filter_ = Filter{};
+  started_ = winch_heard_ = mru_heard_ = load_tracked_ = platform_tracked_ = false;
+  arm_ = ArmHistory{};
+  pending_ = {};
+  load_refusals_ = 0;
   for (int i = 0; i < kAxes; ++i) {
     const double sd = i < 3 ? belief_.ship.translation_sd_m : belief_.ship.rotation_sd_rad;
     const double density = sd * sd / axis_model_.stationary()(0, 0);
@@ -60,24 +107,28 @@ LabEstimator::LabEstimator(const Belief& belief)
   set_sd(kRateBias, 3, belief_.mru.rate_bias_sd_radps);
   set_sd(kTiltError, 2, belief_.mru.tilt_error_sd_rad);
   set_sd(kYawError, 1, belief_.mru.yaw_start_sd_rad);
-  set_sd(kLoad, 2, 0.05);
-  set_sd(kLoadVelocity, 2, 1.0);
   set_sd(kToolOffset, 3, belief_.load.tool_offset_sd_m);
 }
 
 topic::Estimate LabEstimator::step(const Inputs& inputs) {
+  if (std::chrono::abs(inputs.t - now_) > kLongestGap) begin();
+  now_ = inputs.t;
   collect(inputs);
   const LabTime due = inputs.t - from_seconds(belief_.fusion_delay_s);
   for (;;) {
     Pending* earliest = nullptr;
     for (auto& pending : pending_) {
       if (pending.kind == Pending::Kind::none || pending.t > due) continue;
-      if (earliest == nullptr || pending.t < earliest->t) earliest = &pending;
+      // Of two at the same time the kind decides, so that the order of arrival never does.
+      if (earliest == nullptr || std::tie(pending.t, pending.kind) < std::tie(earliest->t, earliest->kind)) {
+        earliest = &pending;
+      }
     }
     if (earliest == nullptr) break;
     process(*earliest);
     earliest->kind = Pending::Kind::none;
   }
+  if (started_ && due - t_ > kAloneAfter) predict_to(due - kAloneAfter);
   return estimate_at(inputs.t);
 }
 
@@ -87,25 +138,32 @@ void LabEstimator::collect(const Inputs& inputs) {
     seen = sample->sequence_number;
     return true;
   };
-  if (is_new(inputs.arm, arm_sequence_)) {
+  const auto usable = [&](const auto& sample, bool is_sane) {
+    const LabTime t = from_ns(sample.t_measured_ns);
+    const bool in_time = t <= inputs.t + kAheadTolerance && t >= inputs.t - kOldest;
+    if (!is_sane || !in_time) ++refused_;
+    return is_sane && in_time;
+  };
+  if (is_new(inputs.arm, arm_sequence_) && usable(*inputs.arm, sane(*inputs.arm))) {
     const auto& a = *inputs.arm;
     arm_.add(from_ns(a.t_measured_ns), {a.q_rad[0], a.q_rad[1], a.q_rad[2]},
              {a.qd_radps[0], a.qd_radps[1], a.qd_radps[2]});
   }
-  if (is_new(inputs.winch, winch_sequence_)) {
+  if (is_new(inputs.winch, winch_sequence_) && usable(*inputs.winch, sane(*inputs.winch))) {
     wire_length_m_ = inputs.winch->wire_length_m;
     wire_speed_mps_ = inputs.winch->wire_speed_mps;
     wire_t_ = from_ns(inputs.winch->t_measured_ns);
     winch_heard_ = true;
   }
-  if (is_new(inputs.mru, mru_seen_)) {
+  if (is_new(inputs.mru, mru_seen_) && usable(*inputs.mru, sane(*inputs.mru))) {
     enqueue({Pending::Kind::mru, from_ns(inputs.mru->t_measured_ns), *inputs.mru, {}});
     mru_heard_ = true;
   }
-  if (is_new(inputs.load, load_sequence_)) {
+  if (is_new(inputs.load, load_sequence_) && usable(*inputs.load, sane_point(*inputs.load))) {
     enqueue({Pending::Kind::load, from_ns(inputs.load->t_measured_ns), {}, *inputs.load});
   }
-  if (belief_.use_platform_body && is_new(inputs.platform, platform_sequence_)) {
+  if (belief_.use_platform_body && is_new(inputs.platform, platform_sequence_) &&
+      usable(*inputs.platform, sane_pose(*inputs.platform))) {
     enqueue({Pending::Kind::platform, from_ns(inputs.platform->t_measured_ns), {}, *inputs.platform});
   }
 }
@@ -140,11 +198,22 @@ void LabEstimator::process(const Pending& pending) {
 void LabEstimator::start(const Pending& pending) {
   // The load's place is the one thing that has no prior: the filter starts when it is first seen.
   if (pending.kind != Pending::Kind::load || arm_.empty() || !winch_heard_ || !mru_heard_) return;
-  const Vector3d p_WL = belief_.calibration.X_WQ * vector(pending.body.p_camera_body_m);
-  filter_.x.segment<2>(kLoad) = p_WL.head<2>();
   t_ = pending.t;
   load_seen_ = t_;
+  place_load(belief_.calibration.X_WQ * vector(pending.body.p_camera_body_m));
   started_ = true;
+}
+
+void LabEstimator::place_load(const Vector3d& p_WL) {
+  filter_.x.segment<2>(kLoad) = p_WL.head<2>();
+  filter_.x.segment<2>(kLoadVelocity).setZero();
+  filter_.P.middleCols<4>(kLoad).setZero();
+  filter_.P.middleRows<4>(kLoad).setZero();
+  for (int k = 0; k < 2; ++k) {
+    filter_.P(kLoad + k, kLoad + k) = 0.05 * 0.05;
+    filter_.P(kLoadVelocity + k, kLoadVelocity + k) = 1.0;
+  }
+  load_refusals_ = 0;
 }
 
 Eigen::Vector3d LabEstimator::triple(int derivative, int first_axis) const {
@@ -184,6 +253,12 @@ double LabEstimator::hanging_height(const Vector2d& load, const Vector3d& p_WT) 
   return std::sqrt(std::max(wire_length_m_ * wire_length_m_ - reach2, floor * floor));
 }
 
+double LabEstimator::stiffness(double height, double lift) const {
+  // The wire cannot push, and a lift beyond free fall upwards is a fault of the joint speeds.
+  const double g = belief_.load.gravity_mps2;
+  return std::clamp(g + lift, 0.0, 2 * g) / height;
+}
+
 void LabEstimator::add_tool_terms(SparseRow& row, const Tool& tool, const Vector3d& weight) const {
   const Vector3d on_euler = tool.d_euler.transpose() * weight;
   for (int i = 0; i < 3; ++i) {
@@ -216,10 +291,10 @@ void LabEstimator::predict(double dt) {
   const Tool before = tool(ship(), arm_.at(t_));
   const Vector2d load = filter_.x.segment<2>(kLoad), velocity = filter_.x.segment<2>(kLoadVelocity);
   const double height = hanging_height(load, before.motion.p);
-  const double stiffness = (belief_.load.gravity_mps2 + before.motion.a.z()) / height;
+  const double stiff = stiffness(height, before.motion.a.z());
   const Vector2d middle =
       load + 0.5 * dt * velocity - (before.motion.p + 0.5 * dt * before.motion.v).head<2>();
-  const Vector2d acceleration = -stiffness * middle;
+  const Vector2d acceleration = -stiff * middle;
 
   for (int i = 0; i < kAxes; ++i) filter_.x.segment<4>(axis(i)) = A * filter_.x.segment<4>(axis(i)).eval();
   filter_.x.segment<2>(kTiltError) *= tilt_decay;
@@ -234,9 +309,9 @@ void LabEstimator::predict(double dt) {
       auto velocity_column = M.col(kLoadVelocity + k);
       auto& pull = before.d_euler;
       load_column += dt * velocity_column;
-      velocity_column -= dt * stiffness * load_column;
-      velocity_column += dt * stiffness * (M.col(axis(k)) + M.col(kToolOffset + k));
-      for (int j = 0; j < 3; ++j) velocity_column += dt * stiffness * pull(k, j) * M.col(axis(3 + j));
+      velocity_column -= dt * stiff * load_column;
+      velocity_column += dt * stiff * (M.col(axis(k)) + M.col(kToolOffset + k));
+      for (int j = 0; j < 3; ++j) velocity_column += dt * stiff * pull(k, j) * M.col(axis(3 + j));
     }
     for (int i = 0; i < kAxes; ++i) {
       const Eigen::Matrix<double, kStates, 4> block = M.middleCols<4>(axis(i));
@@ -262,8 +337,10 @@ void LabEstimator::predict(double dt) {
   add(kLoadVelocity, 2, belief_.load.acceleration_noise * belief_.load.acceleration_noise * dt);
 }
 
-void LabEstimator::update(const SparseRow& row, double innovation, double sd) {
-  if (!filter_.update(row, innovation, sd * sd, belief_.gate_sigma)) ++refused_;
+bool LabEstimator::update(const SparseRow& row, double innovation, double sd) {
+  const bool taken = filter_.update(row, innovation, sd * sd, belief_.gate_sigma);
+  if (!taken) ++refused_;
+  return taken;
 }
 
 void LabEstimator::take(const topic::Mru& mru) {
@@ -356,11 +433,15 @@ void LabEstimator::take(const topic::Mru& mru) {
 void LabEstimator::take_load(const topic::Bodies& body) {
   load_seen_ = t_;
   const Vector3d p_WL = belief_.calibration.X_WQ * vector(body.p_camera_body_m);
+  bool taken = true;
   for (int k = 0; k < 2; ++k) {
     SparseRow row;
     row.add(kLoad + k, 1.0);
-    update(row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
+    taken &= update(row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
   }
+  load_refusals_ = taken ? 0 : load_refusals_ + 1;
+  // Somebody pushed the load, or the first sighting was a wrong one: believe the cameras again.
+  if (load_refusals_ >= kRefusalsToReplace) place_load(p_WL);
   // The load's height is that of the tool less the hanging height of a taut wire.
   const Tool tool_now = tool(ship(), arm_.at(t_));
   const Vector2d load = filter_.x.segment<2>(kLoad);
@@ -418,8 +499,7 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
     const Vector3d p_WT = (1 - f) * tool_then.motion.p + f * tool_now.motion.p;
     const double lift = (1 - f) * tool_then.motion.a.z() + f * tool_now.motion.a.z();
     const Vector2d middle = load + 0.5 * dt * load_velocity;
-    const double stiffness = (belief_.load.gravity_mps2 + lift) / hanging_height(middle, p_WT);
-    const Vector2d acceleration = -stiffness * (middle - p_WT.head<2>());
+    const Vector2d acceleration = -stiffness(hanging_height(middle, p_WT), lift) * (middle - p_WT.head<2>());
     load += dt * load_velocity + 0.5 * dt * dt * acceleration;
     load_velocity += dt * acceleration;
   }
@@ -443,7 +523,7 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
   const double alpha = std::asin(std::clamp(-d.x() / L, -1.0, 1.0));
   const double side2 = d.y() * d.y() + height * height;
   out.swing_rad = {alpha, std::atan2(d.y(), height)};
-  out.swing_rate_radps = {-d_dot.x() / (L * std::cos(alpha)),
+  out.swing_rate_radps = {-(d_dot.x() + wire_speed_mps_ * std::sin(alpha)) / (L * std::cos(alpha)),
                           (d_dot.y() * height - d.y() * height_dot) / side2};
   out.p_world_load_m = {load.x(), load.y(), p_WT.z() - height};
   out.v_world_load_mps = {load_velocity.x(), load_velocity.y(), tool_now.motion.v.z() - height_dot};

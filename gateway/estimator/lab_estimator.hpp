@@ -43,7 +43,8 @@ struct Inputs {
 ///
 /// Before joints, winch, MRU and load have each been heard once, the estimate is not `valid`. When a source
 /// falls silent the state is carried on without it; its standard deviations grow and the service decides what
-/// to do.
+/// to do. When the load is seen elsewhere than expected for 40 sightings in a row (somebody pushed it), it is
+/// placed where it is seen. When time jumps by more than 2 s, everything begins anew.
 class LabEstimator {
  public:
   explicit LabEstimator(const Belief& belief);
@@ -51,7 +52,8 @@ class LabEstimator {
   /// Takes in what is new and returns the state at `inputs.t`. Never allocates, never throws.
   topic::Estimate step(const Inputs& inputs);
 
-  /// Measurements refused by the gate, or come too late to be used in order.
+  /// Measurements refused: by the gate, not finite or of impossible size, come too late to be used in order,
+  /// stamped in the future, or taken while the MRU called itself unstable.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
@@ -85,21 +87,28 @@ class LabEstimator {
     Eigen::Matrix3d d_euler;  ///< ∂p_WT/∂(roll, pitch, yaw)
   };
 
+  /// As if nothing had been heard yet; the counters go on.
+  void begin();
   void collect(const Inputs& inputs);
   void enqueue(Pending&& pending);
   void process(const Pending& pending);
   void start(const Pending& pending);
+  /// Puts the load where it was seen, as fast as any load may be.
+  void place_load(const Vector3d& p_WL);
   void predict_to(LabTime t);
   void predict(double dt_s);
   void take(const topic::Mru& mru);
   void take_load(const topic::Bodies& load);
   void take_platform(const topic::Bodies& platform);
-  void update(const math::SparseRow& row, double innovation, double sd);
+  bool update(const math::SparseRow& row, double innovation, double sd);
 
   [[nodiscard]] Vector3d triple(int derivative, int first_axis) const;
   [[nodiscard]] math::BodyMotion ship() const;
   [[nodiscard]] Tool tool(const math::BodyMotion& ship, const JointMotion& joints) const;
   [[nodiscard]] double hanging_height(const Eigen::Vector2d& load, const Vector3d& p_WT) const;
+  /// How strongly a wire of this height pulls the load towards the tool, which rises with acceleration
+  /// `lift`.
+  [[nodiscard]] double stiffness(double height_m, double lift_mps2) const;
   void add_tool_terms(math::SparseRow& row, const Tool& tool, const Vector3d& weight) const;
   [[nodiscard]] topic::Estimate estimate_at(LabTime t);
 
@@ -108,7 +117,8 @@ class LabEstimator {
   std::array<double, kAxes> noise_density_{};
   math::Matrix3d R_WD_;
   Filter filter_;
-  LabTime t_{};  ///< time of the filter's state
+  LabTime now_{};  ///< time of the last step
+  LabTime t_{};    ///< time of the filter's state
   bool started_ = false;
 
   ArmHistory arm_;
@@ -121,6 +131,7 @@ class LabEstimator {
   bool platform_tracked_ = false;
   LabTime platform_seen_{};
   LabTime load_seen_{};
+  int load_refusals_ = 0;  ///< sightings of the load refused in a row
 
   std::uint64_t mru_seen_ = 0;
   std::uint64_t load_sequence_ = 0;

@@ -43,7 +43,7 @@ struct KalmanState {
 
   /// Takes in one scalar measurement with the given innovation (measured − predicted) and noise variance.
   ///
-  /// The update of P is the symmetric rank-one form P − (P hᵀ)(P hᵀ)ᵀ / s, exactly symmetric by construction.
+  /// The update of P is the rank-one form P − r rᵀ with r = P hᵀ / √s, exactly symmetric by construction.
   /// @param gate  innovations larger than this many standard deviations are refused
   /// @returns whether the measurement was taken in
   bool update(const SparseRow& h, double innovation, double variance, double gate) {
@@ -52,9 +52,10 @@ struct KalmanState {
     double s = variance;
     for (const auto& [index, value] : h) s += value * Ph[index];
     if (!(innovation * innovation <= gate * gate * s)) return false;
-    const Eigen::Matrix<double, N, 1> K = Ph / s;
-    x.noalias() += innovation * K;
-    P.noalias() -= K * Ph.transpose();
+    const double root = std::sqrt(s);
+    const Eigen::Matrix<double, N, 1> r = Ph / root;
+    x.noalias() += (innovation / root) * r;
+    P.noalias() -= r * r.transpose();
     return true;
   }
 };
