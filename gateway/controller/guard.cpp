@@ -9,9 +9,15 @@ namespace {
 /// Longest time that one step may claim to have passed: a late step must not buy a jump.
 constexpr double kLongestStep = 0.005;
 
-/// What is on its way counts as travelled: one command period at the last velocity, and the servo's lag
-/// behind it.
+/// One command period, the age of a measurement, and the servo's lag.
 constexpr double kReaction = 0.07;
+
+/// What was asked and is not yet measured counts as travelled. A joint that slows down has more under way
+/// than its last velocity tells, one that speeds up has at most that.
+double travelled(double position, double last_speed, double under_way) {
+  const double reaction = kReaction * last_speed;
+  return position + (last_speed > 0 ? std::max(reaction, under_way) : std::min(reaction, under_way));
+}
 
 double towards_zero(double value, double by) {
   return value > 0 ? std::max(0.0, value - by) : std::min(0.0, value + by);
@@ -37,7 +43,7 @@ double Guard::guard_joint(std::size_t i, double wish, double q, double authority
     if (kept != qd) changed |= bit << i;
     qd = kept;
   };
-  const double ahead = q + kReaction * last_.qd_radps[i];
+  const double ahead = travelled(q, last_.qd_radps[i], under_way_[i]);
   const double a = limits_.stop_deceleration_radps2;
   const double up = stopping_speed(limits_.q_max_rad[i] - std::max(q, ahead), a);
   const double down = -stopping_speed(std::min(q, ahead) - limits_.q_min_rad[i], a);
@@ -59,7 +65,7 @@ double Guard::guard_winch(double wish, double length, double authority, double d
   const double a = limits_.wire_acceleration_max_mps2;
   const double fastest = authority * limits_.wire_speed_max_mps;
   const double before = last_.wire_speed_mps;
-  const double ahead = length + kReaction * before;
+  const double ahead = travelled(length, before, under_way_[6]);
   const double out = std::min(fastest, stopping_speed(limits_.wire_max_m - std::max(length, ahead), a));
   const double in = -std::min(fastest, stopping_speed(std::min(length, ahead) - limits_.wire_min_m, a));
   const double speed = std::clamp(std::clamp(wish, in, out), before - a * dt, before + a * dt);
@@ -91,6 +97,10 @@ GuardedCommand Guard::step(const Inputs& in) {
         in.may_move || std::any_of(out.qd_radps.begin(), out.qd_radps.end(), [](double v) { return v != 0; });
   }
   if (out.changed != 0) ++changed_count_;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double speed = i < 6 ? out.qd_radps[i] : out.wire_speed_mps;
+    under_way_[i] += dt * (speed - under_way_[i] / kReaction);
+  }
   last_ = out;
   return out;
 }

@@ -44,8 +44,8 @@ struct GuardedCommand {
 ///
 /// In this order: finite, position with stopping distance, velocity, acceleration. Without permission,
 /// without a wish, or with one that is not finite, it brakes every joint at the stop deceleration and then
-/// lets go of the robot. It keeps nothing but its own last command, so whatever came before, the next command
-/// is within reach of a stop.
+/// lets go of the robot. It keeps nothing but its own last command and what of its commands is still under
+/// way in the servos, so whatever came before, the next command is within reach of a stop.
 class Guard {
  public:
   explicit Guard(const GuardLimits& limits) : limits_(limits) {}
@@ -75,6 +75,7 @@ class Guard {
 
   GuardLimits limits_;
   GuardedCommand last_;
+  std::array<double, 7> under_way_{};  ///< asked and not yet travelled: six joints, wire
   std::uint64_t changed_count_ = 0;
 };
 
