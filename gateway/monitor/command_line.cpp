@@ -37,10 +37,12 @@ struct Chosen {
 /// They may stand before or after the name of the command.
 void add_common(CLI::App& app, Chosen& chosen) {
   app.add_option("--domain", chosen.connection.domain, "DDS domain, 0 to 232 (42)")
-      ->check(CLI::Range(0, 232));
+      ->check(CLI::Range(0, 232))
+      ->envname("MOTIONLAB_DOMAIN");
   app.add_option("--interface", chosen.connection.interfaces,
                  "address of this host to use for DDS; may be given several times (all interfaces)")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->envname("MOTIONLAB_INTERFACE");
   app.add_option("--timeout", chosen.connection.timeout_s, "seconds to wait for an answer (5)")
       ->check(CLI::Range(0.0, 3600.0));
   app.add_flag("--json", chosen.json, "answer in JSON on standard output");

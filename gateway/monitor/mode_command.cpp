@@ -15,6 +15,9 @@ using topic::Mode;
 using topic::ModeAction;
 using topic::ModeState;
 
+/// A reset is refused while the arm still brakes; that has passed by then.
+constexpr Nanoseconds kBraking = 2s;
+
 /// One request on its way.
 class Petition {
  public:
@@ -46,7 +49,7 @@ class Petition {
       if (asked_) ask_again(t);
       const bool asked = asked_ && session_.dds.matched<topic::ModeRequest>() > 0;
       const std::optional<Verdict> verdict = judged(asked);
-      if (verdict && (verdict->outcome != Outcome::pending || t >= deadline())) return verdict;
+      if (verdict && (is_final(*verdict, t) || t >= deadline())) return verdict;
       if (!now_ && t >= deadline()) return std::nullopt;
       session_.wakeup->wait(repeat_);
     }
@@ -61,6 +64,11 @@ class Petition {
     if (!now_) return false;
     const bool may_become_ready = now_->state == ModeState::off || now_->state == ModeState::settled;
     return !may_become_ready || t >= start_ + wait_ready_;
+  }
+
+  [[nodiscard]] bool is_final(const Verdict& verdict, LabTime t) const {
+    const bool may_pass = action_ == ModeAction::reset && t < *asked_ + kBraking;
+    return verdict.outcome == Outcome::granted || (verdict.outcome == Outcome::refused && !may_pass);
   }
 
   void ask_first(LabTime t) {

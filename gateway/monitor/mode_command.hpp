@@ -15,6 +15,7 @@ struct ModeCommand {
 /// Sends the request again and again until the mode shows its effect, because a request that is written
 /// before the gateway has matched the writer is lost. The repetitions carry one sequence number.
 ///
+/// A reset goes on asking for two seconds when it is refused, because that is so while the arm still brakes.
 /// A settle leaves at once and every 20 ms, also to a gateway whose mode was not heard yet. The others wait
 /// for the mode first.
 /// @returns kExitGood when granted, kExitWrong with the gateway's reason, kExitNobody without any mode

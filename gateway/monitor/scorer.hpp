@@ -49,8 +49,7 @@ struct ScorerConfig {
 /// * settling time: since the last engagement, or since the start when there was none (see `Settling`), over
 ///   the whole run.
 /// * joint and winch speeds: what the devices report.
-/// * age at actuation: age of the MRU data at the control steps whose command asks the robot to follow, to 1
-/// µs.
+/// * age at actuation: of the MRU data, at the control steps whose command asks the robot to follow; to 1 µs.
 /// * step time: of all control steps in the window, to 0.1 µs. Over DDS these are a fifth of the steps.
 /// * faults: see `FaultLog`, over the whole run.
 class Scorer {

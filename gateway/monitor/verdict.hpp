@@ -22,6 +22,7 @@ struct Verdict {
 };
 
 /// Judges a settle, engage or reset.
+/// @param action  one of these three; any other is refused
 /// @param before  the mode when the first request left; nothing when none had been heard
 /// @param now     the newest mode
 /// @param requester  who asks, as in the request

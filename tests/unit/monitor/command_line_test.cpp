@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -342,23 +343,41 @@ TEST_F(CommandLine, SettlesAndWaitsUntilEverythingRests) {
   EXPECT_GE(asked, 4);
 }
 
-TEST_F(CommandLine, ResetsAFaultOrSaysWhyItStays) {
-  FakeGateway gateway{ModeState::fault, "arm_stale", "the arm is silent"};
+TEST_F(CommandLine, GoesOnAskingForAResetWhileTheArmStillBrakes) {
+  FakeGateway gateway{ModeState::fault, "arm_stale", "the arm was silent"};
   int asked = 0;
   gateway.answer = [&asked](FakeGateway& self, const topic::ModeRequest& request) {
     if (request.action != ModeAction::reset) return;
-    if (++asked == 1) {
-      self.enter(ModeState::fault, "arm_stale", "the arm is still silent");
+    if (++asked < 3) {
+      self.enter(ModeState::fault, "arm_stale", "a fault is reset only at rest; ask again");
     } else {
       self.enter(ModeState::settled);
     }
   };
   gateway.start();
-  const Answer refused = motionlab({"reset", "--timeout", "60"});
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_EQ(refused.err, "reset: the fault stays (arm_stale): the arm is still silent\n");
-  const Answer granted = motionlab({"reset", "--timeout", "60"});
-  EXPECT_EQ(granted.exit_code, 0) << granted.err;
+  const Answer run = motionlab({"reset", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, "the fault is reset\n");
+}
+
+TEST_F(CommandLine, SaysWhyAFaultStays) {
+  FakeGateway gateway{ModeState::fault, "arm_stale", "the arm is silent"};
+  gateway.answer = [](FakeGateway& self, const topic::ModeRequest&) {
+    self.enter(ModeState::fault, "arm_stale", "the arm is still silent");
+  };
+  gateway.start();
+  const Answer run = motionlab({"reset", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.err, "reset: the fault stays (arm_stale): the arm is still silent\n");
+}
+
+TEST_F(CommandLine, TakesDomainAndInterfaceFromTheEnvironment) {
+  setenv("MOTIONLAB_DOMAIN", std::to_string(own_domain()).c_str(), 1);
+  setenv("MOTIONLAB_INTERFACE", "127.0.0.1", 1);
+  const Answer run = bare({"motionlab", "status", "--timeout", "0.1"});
+  unsetenv("MOTIONLAB_DOMAIN");
+  unsetenv("MOTIONLAB_INTERFACE");
+  EXPECT_THAT(run.err, HasSubstr("domain " + std::to_string(own_domain()) + ", interface 127.0.0.1 within"));
 }
 
 TEST_F(CommandLine, ScoresByTheTruthWithALineASecondAndAReport) {
