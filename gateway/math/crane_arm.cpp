@@ -1,11 +1,17 @@
 #include "gateway/math/crane_arm.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace motionlab::math {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+namespace {
+constexpr double kPi = std::numbers::pi;
+}
 
 Vector3d CraneArm::position(const Vector3d& q) const {
   const double s2 = std::sin(q[1]), c2 = std::cos(q[1]), s3 = std::sin(q[2]), c3 = std::cos(q[2]);
@@ -40,7 +46,11 @@ Matrix3d CraneArm::jacobian_dot(const Vector3d& q, const Vector3d& qd) const {
   return Jd;
 }
 
-std::optional<Vector3d> CraneArm::inverse(const Vector3d& p_RT) const {
+Vector3d CraneArm::acceleration(const Vector3d& q, const Vector3d& qd, const Vector3d& qdd) const {
+  return jacobian(q) * qdd + jacobian_dot(q, qd) * qd;
+}
+
+Vector3d CraneArm::posture(const Vector3d& p_RT, double elbow) const {
   // In the vertical plane of the arm, with x along the reach and z up from the shoulder, the upper arm ends
   // at a2 (s2, c2) and the forearm adds C (cos(q3 + pi - gamma), sin(q3 + pi - gamma)) with C e^{i gamma} =
   // a3 + i reach: its angle above the horizontal is fixed by joint 3 alone, because joint 3 is measured
@@ -50,18 +60,51 @@ std::optional<Vector3d> CraneArm::inverse(const Vector3d& p_RT) const {
   const double C = std::hypot(g_.a3_m, g_.reach_m);
   const double gamma = std::atan2(g_.reach_m, g_.a3_m);
   const double D2 = x * x + z * z;
-  const double D = std::sqrt(D2);
-  const double cos_shoulder = (D2 + g_.a2_m * g_.a2_m - C * C) / (2 * g_.a2_m * D);
-  if (!(std::abs(cos_shoulder) <= 1.0)) return std::nullopt;
-  // The upper arm stands above the line from shoulder to tool: elbow up.
-  const double upper = std::atan2(z, x) + std::acos(cos_shoulder);
+  const double cos_shoulder = (D2 + g_.a2_m * g_.a2_m - C * C) / (2 * g_.a2_m * std::sqrt(D2));
+  const double upper = std::atan2(z, x) + elbow * std::acos(std::clamp(cos_shoulder, -1.0, 1.0));
   const double fx = x - g_.a2_m * std::cos(upper), fz = z - g_.a2_m * std::sin(upper);
   const double forearm = std::atan2(fz, fx);
   // (fx, fz) = (-a3 c3 - reach s3, -a3 s3 + reach c3) = C (-cos(q3 - gamma), -sin(q3 - gamma))
-  const double pi = std::acos(-1.0);
-  double q3 = forearm - pi + gamma;
-  q3 -= 2 * pi * std::round(q3 / (2 * pi));
-  return Vector3d{std::atan2(-p_RT.y(), p_RT.x()), pi / 2 - upper, q3};
+  double q3 = forearm - kPi + gamma;
+  q3 -= 2 * kPi * std::round(q3 / (2 * kPi));
+  return {std::atan2(-p_RT.y(), p_RT.x()), kPi / 2 - upper, q3};
+}
+
+CraneInverse CraneArm::inverse(const Vector3d& p_RT, const JointLimits<3>& limits) const {
+  const double C = std::hypot(g_.a3_m, g_.reach_m);
+  const double rho = std::hypot(p_RT.x(), p_RT.y());
+  CraneInverse all;
+  all.shoulder_distance_m = std::hypot(rho - g_.a1_m, p_RT.z() - g_.d1_m);
+  all.nearest_m = std::abs(C - g_.a2_m);
+  all.farthest_m = C + g_.a2_m;
+  if (!(all.shoulder_distance_m <= all.farthest_m)) return all;
+  all.reach = Reach::too_near;
+  if (!(all.shoulder_distance_m >= all.nearest_m) || !(rho > 0)) return all;
+  all.reach = Reach::reached;
+  const auto within = [&limits](Vector3d q) {
+    for (int i = 0; i < 3; ++i) {
+      const double middle = 0.5 * (limits.min_rad[i] + limits.max_rad[i]);
+      q[i] -= 2 * kPi * std::round((q[i] - middle) / (2 * kPi));
+    }
+    return CranePosture{q, limits.contain(q)};
+  };
+  all.elbow_up = within(posture(p_RT, +1));
+  all.elbow_down = within(posture(p_RT, -1));
+  return all;
+}
+
+std::optional<Vector3d> CraneInverse::best() const {
+  if (elbow_up && elbow_up->within_limits) return elbow_up->q;
+  if (elbow_down && elbow_down->within_limits) return elbow_down->q;
+  return std::nullopt;
+}
+
+std::optional<Vector3d> CraneArm::inverse(const Vector3d& p_RT) const {
+  const double x = std::hypot(p_RT.x(), p_RT.y()) - g_.a1_m;
+  const double distance = std::hypot(x, p_RT.z() - g_.d1_m);
+  const double C = std::hypot(g_.a3_m, g_.reach_m);
+  if (!(distance <= C + g_.a2_m && distance >= std::abs(C - g_.a2_m))) return std::nullopt;
+  return posture(p_RT, +1);
 }
 
 }  // namespace motionlab::math
