@@ -1,0 +1,45 @@
+/// @file  One scored run of the whole line in the simulated laboratory.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gateway/monitor/report.hpp"
+#include "idl/mode.hpp"
+#include "simulators/lab/lockstep/lockstep.hpp"
+
+namespace motionlab::study {
+
+/// What is to be run, in the words of the command line. Empty paths: the files that are found.
+struct LabRun {
+  std::string config;
+  std::string world_config;
+  std::string scenario = "thesis-wave";
+  std::string controller = "ours";
+  std::string estimator = "ours";
+  std::string sensors = "real";
+  std::string platform = "tracked";
+  std::string differences = "on";
+  std::vector<std::string> faults;
+  std::uint64_t seed = 1;
+  double seconds = 60;
+  double engage_at_s = 10;
+  double score_from_s = 20;
+  bool timing = false;
+};
+
+/// What came of it.
+struct LabOutcome {
+  monitor::Report report;
+  topic::ModeState last_mode = topic::ModeState::off;
+  std::string fault_code;  ///< the first that was latched; empty: none
+};
+
+/// Files, names and differences put together. @throws StartupError with what to write instead
+[[nodiscard]] lockstep::Config configure(const LabRun& run);
+
+/// Runs it on a virtual clock: the same run gives the same bytes. @throws StartupError
+[[nodiscard]] LabOutcome run_lab(const LabRun& run);
+
+}  // namespace motionlab::study
