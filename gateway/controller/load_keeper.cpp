@@ -26,6 +26,7 @@ LoadKeeper::LoadKeeper(const LoadKeeperConfig& config)
     : config_(config),
       arm_(config.arm),
       law_(config.law),
+      reference_(config.reference),
       observer_(config.servo, config.observer_gain_per_s) {}
 
 void LoadKeeper::sent(LabTime t, const topic::ArmCommand& command) {
@@ -49,15 +50,23 @@ std::optional<Wish> LoadKeeper::step(const Inputs& in) {
   stepped_ = in.t;
   const topic::Estimate& e = in.estimate;
   if (!in.engaged || !running_) {
-    law_.start(vector(e.p_world_tool_m), vector(e.v_world_tool_mps), e.wire_length_m);
+    law_.start(vector(e.p_world_tool_m), vector(e.v_world_tool_mps), in.p_WL_reference.z() + e.wire_length_m);
+    reference_.reset(in.p_WL_reference);
     running_ = in.engaged;
     return Wish{};
   }
-  law_.step(dt, in.p_WL_reference, vector(e.p_world_load_m), vector(e.v_world_load_mps), e.wire_length_m);
+  const math::BodyMotion ship = ship_of(e);
+  const Vector3d p_BT = ship.X_WB.inverse() * law_.p_WT();
+  if (dt > 0) reference_.step(dt, in.p_WL_reference);
+  law_.step(dt, {.reference = {reference_.p(), reference_.v(), reference_.a()},
+                 .p_WL = vector(e.p_world_load_m),
+                 .v_WL = vector(e.v_world_load_mps),
+                 .wire_length_m = e.wire_length_m,
+                 .share = in.horizontal_share,
+                 .v_ship = math::carried(ship, {p_BT, Vector3d::Zero(), Vector3d::Zero()}).v});
 
   // Wanted joints at four times one hold apart; the middle two are when the coming hold begins and ends to
   // act.
-  const math::BodyMotion ship = ship_of(e);
   const double T = config_.command_period_s;
   const double begin = seconds(in.t_send - in.t) + config_.command_latency_s + config_.servo.delay_s;
   std::array<Vector3d, 4> q;
@@ -78,9 +87,11 @@ std::optional<Wish> LoadKeeper::step(const Inputs& in) {
 
   Wish wish;
   for (std::size_t i = 0; i < 3; ++i) wish.qd_radps[i] = qd[static_cast<Eigen::Index>(i)];
-  const double too_high = e.p_world_load_m[2] - in.p_WL_reference.z();
-  wish.wire_speed_mps = std::clamp(config_.height_gain_per_s * too_high, -config_.height_speed_max_mps,
-                                   config_.height_speed_max_mps);
+  // The winch carries a moving reference and takes out what height error is left.
+  const double too_high = e.p_world_load_m[2] - reference_.p().z();
+  const double trim = std::clamp(config_.height_gain_per_s * too_high, -config_.height_speed_max_mps,
+                                 config_.height_speed_max_mps);
+  wish.wire_speed_mps = trim - reference_.v().z();
   return wish;
 }
 

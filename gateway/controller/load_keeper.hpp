@@ -8,6 +8,7 @@
 #include "gateway/controller/load_law.hpp"
 #include "gateway/controller/servo_belief.hpp"
 #include "gateway/controller/set_point_observer.hpp"
+#include "gateway/controller/smooth_point.hpp"
 #include "gateway/controller/wish.hpp"
 #include "gateway/math/crane_arm.hpp"
 #include "gateway/math/moving_base.hpp"
@@ -22,6 +23,7 @@ struct LoadKeeperConfig {
   math::RigidTransform X_BR;  ///< robot base in platform body
   ServoBelief servo;
   LoadLawConfig law;
+  SmoothPointLimits reference;         ///< how briskly a new reference is approached
   double command_period_s = 0.005;     ///< how long each velocity holds
   double command_latency_s = 0.0005;   ///< from sending to the robot computer's integrator
   double set_point_gain_per_s = 30.0;  ///< how fast a wrong set point is corrected
@@ -44,11 +46,12 @@ class LoadKeeper {
   void sent(LabTime t, const topic::ArmCommand& command);
 
   struct Inputs {
-    LabTime t{};               ///< now
-    LabTime t_send{};          ///< when the next command leaves
-    topic::Estimate estimate;  ///< valid, for time t
-    topic::ArmState arm;       ///< the newest
-    Eigen::Vector3d p_WL_reference;
+    LabTime t{};                     ///< now
+    LabTime t_send{};                ///< when the next command leaves
+    topic::Estimate estimate;        ///< valid, for time t
+    topic::ArmState arm;             ///< the newest
+    Eigen::Vector3d p_WL_reference;  ///< may jump; it is approached smoothly
+    double horizontal_share = 1.0;   ///< see LoadLaw::Inputs::share
     bool engaged = false;
   };
 
@@ -65,6 +68,7 @@ class LoadKeeper {
   LoadKeeperConfig config_;
   math::CraneArm arm_;
   LoadLaw law_;
+  SmoothPoint reference_;
   SetPointObserver observer_;
   std::uint64_t arm_seen_ = 0;
   std::optional<LabTime> stepped_;

@@ -8,6 +8,9 @@
 namespace motionlab::controller {
 namespace {
 
+/// How fast the law's own speed dies out when its share is taken back.
+constexpr double kLetGo = 1.0;
+
 /// Shortens a vector to at most `longest`, keeping its direction.
 template <class Vector>
 Vector bounded(const Vector& v, double longest) {
@@ -42,31 +45,32 @@ LoadLaw::Gain LoadLaw::gain(double L) const {
   return (1 - f) * gains_[i] + f * gains_[i + 1];
 }
 
-void LoadLaw::start(const Vector3d& p_WT, const Vector3d& v_WT, double wire_length_m) {
+void LoadLaw::start(const Vector3d& p_WT, const Vector3d& v_WT, double tool_height_m) {
   p_ = p_WT;
   v_ = v_WT;
   a_.setZero();
+  v_riding_.setZero();
   integral_.setZero();
-  height_above_reference_m_ = wire_length_m;
+  tool_height_m_ = tool_height_m;
 }
 
-void LoadLaw::step(double dt, const Vector3d& reference, const Vector3d& p_WL, const Vector3d& v_WL,
-                   double L) {
-  const Gain K = gain(L);
+void LoadLaw::step(double dt, const Inputs& in) {
+  const Gain K = gain(in.wire_length_m);
+  const math::PointMotion& r = in.reference;
+  const Vector3d error = in.p_WL - r.p;
   Vector3d a;
   for (int k = 0; k < 2; ++k) {
     Eigen::Matrix<double, 5, 1> x;
-    x << p_[k] - reference[k], v_[k], p_WL[k] - p_[k], v_WL[k] - v_[k], integral_[k];
-    a[k] = -K.dot(x.transpose());
+    x << p_[k] - r.p[k], v_[k] - r.v[k], in.p_WL[k] - p_[k], in.v_WL[k] - v_[k], integral_[k];
+    a[k] = in.share * (r.a[k] - K.dot(x.transpose())) - (1 - in.share) * v_[k] / kLetGo;
   }
   const double w = config_.vertical_omega_radps;
-  a.z() = -w * w * (p_.z() - reference.z() - height_above_reference_m_) - 2 * w * v_.z();
+  a.z() = -w * w * (p_.z() - tool_height_m_) - 2 * w * v_.z();
   a_ = bounded(a, config_.acceleration_max_mps2);
+  v_riding_ = (1 - in.share) * Vector3d(in.v_ship.x(), in.v_ship.y(), 0.0);
+  if (in.share >= 1 && error.head<2>().norm() < config_.integral_zone_m) integral_ += dt * error.head<2>();
 
-  const Vector3d error = p_WL - reference;
-  if (error.head<2>().norm() < config_.integral_zone_m) integral_ += dt * error.head<2>();
-
-  p_ += dt * v_ + 0.5 * dt * dt * a_;
+  p_ += dt * (v_ + v_riding_) + 0.5 * dt * dt * a_;
   const Vector3d v = v_ + dt * a_;
   // A tool that begins faster than the bound is slowed by the law, never cut.
   v_ = bounded(v, std::max(config_.speed_max_mps, v_.norm()));

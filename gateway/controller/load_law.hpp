@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "gateway/math/moving_base.hpp"
+
 namespace motionlab::controller {
 
 /// Weights of the regulator for one horizontal axis, and the bounds of what it may ask.
@@ -33,14 +35,23 @@ class LoadLaw {
   explicit LoadLaw(const LoadLawConfig& config);
 
   /// Begins with the tool where it is and as it moves: the first acceleration is bounded, there is no step.
-  void start(const Vector3d& p_WT, const Vector3d& v_WT, double wire_length_m);
+  /// @param tool_height_m  where the tool shall be brought in z; the load's own height is the winch's
+  /// business
+  void start(const Vector3d& p_WT, const Vector3d& v_WT, double tool_height_m);
 
-  /// One step. @param p_WL_reference  where the load shall be  @param p_WL, v_WL  where it is
-  void step(double dt_s, const Vector3d& p_WL_reference, const Vector3d& p_WL, const Vector3d& v_WL,
-            double wire_length_m);
+  struct Inputs {
+    math::PointMotion reference;  ///< where the load shall be, and how that place moves
+    Vector3d p_WL;                ///< where the load is
+    Vector3d v_WL;
+    double wire_length_m = 0;
+    double share =
+        1.0;  ///< how much of the horizontal motion is the law's, 0…1; the rest rides with the ship
+    Vector3d v_ship = Vector3d::Zero();  ///< of the ship's point at the tool, in W
+  };
+  void step(double dt_s, const Inputs& inputs);
 
   [[nodiscard]] const Vector3d& p_WT() const { return p_; }
-  [[nodiscard]] const Vector3d& v_WT() const { return v_; }
+  [[nodiscard]] Vector3d v_WT() const { return v_ + v_riding_; }
   [[nodiscard]] const Vector3d& a_WT() const { return a_; }
 
  private:
@@ -57,7 +68,8 @@ class LoadLaw {
   Vector3d v_ = Vector3d::Zero();
   Vector3d a_ = Vector3d::Zero();
   Eigen::Vector2d integral_ = Eigen::Vector2d::Zero();
-  double height_above_reference_m_ = 0;  ///< of the tool, fixed when started
+  Vector3d v_riding_ = Vector3d::Zero();  ///< what the tool does with the ship, horizontal
+  double tool_height_m_ = 0;
 };
 
 }  // namespace motionlab::controller

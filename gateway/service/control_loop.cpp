@@ -13,6 +13,8 @@ using topic::ModeState;
 constexpr double kToolSdToEngage = 0.05;
 /// The arm must stand this still before the gateway may be engaged.
 constexpr double kRestToEngage = 0.01;
+/// How long the compensation takes to come back after the load was found again.
+constexpr double kShareBack = 2.0;
 /// How long before a state that nobody changed is told again, so that its lease is seen to live.
 constexpr Nanoseconds kModeRepeat = 1s;
 /// How far ahead the owner's lease reaches; renewed with every step of the built-in controller.
@@ -47,12 +49,14 @@ void ControlLoop::step(LabTime t) {
   const topic::Estimate estimate = estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch});
 
   modes_.step(facts(now, estimate));
+  coast(now);
 
   const bool engaged = modes_.state() == ModeState::engaged;
   std::optional<controller::Wish> wish;
   if (estimate.valid && now.arm) {
     const LabTime t_send = std::max(t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
-    wish = keeper_.step({t, std::min(t_send, t + 10ms), estimate, *now.arm, p_WL_reference_, engaged});
+    wish = keeper_.step(
+        {t, std::min(t_send, t + 10ms), estimate, *now.arm, p_WL_reference_, horizontal_share_, engaged});
   }
   wish_missing_ = engaged && !wish;
 
@@ -122,7 +126,7 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
       return Obstacle{"mru1_unstable", "mru1 says that it is settling; wait until it is stable, then reset"};
     if (!estimate.valid)
       return Obstacle{"no_estimate", "there is no estimate; wait until the load is seen, then reset"};
-    if (!load_seen_ || seconds(now.t - *load_seen_) > config_.qualisys.coast_s) {
+    if (!load_seen_ || seconds(now.t - *load_seen_) > config_.qualisys.rest_by_s) {
       return Obstacle{"load_lost",
                       "the cameras have not seen the load for too long; free the view, then reset"};
     }
@@ -153,6 +157,15 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
         Obstacle{"winch_not_ready", "the winch drive is not ready; switch on its power and clear its faults"};
   }
   return facts;
+}
+
+void ControlLoop::coast(const Snapshot& now) {
+  const auto& rule = config_.qualisys;
+  const double unseen = load_seen_ ? seconds(now.t - *load_seen_) : rule.rest_by_s;
+  const double wanted = std::clamp((rule.rest_by_s - unseen) / (rule.rest_by_s - rule.coast_s), 0.0, 1.0);
+  // Given back slowly: the load may be found far from where it was lost.
+  const double most = horizontal_share_ + config_.control_period_s / kShareBack;
+  horizontal_share_ = modes_.state() == ModeState::engaged ? std::min(wanted, most) : 1.0;
 }
 
 void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand& guarded) {

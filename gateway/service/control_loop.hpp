@@ -33,6 +33,8 @@ class ControlLoop {
  private:
   void take_requests(LabTime t);
   [[nodiscard]] controller::ModeFacts facts(const Snapshot& snapshot, const topic::Estimate& estimate);
+  /// How much of the horizontal motion is compensated while nobody sees the load.
+  void coast(const Snapshot& snapshot);
   void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
   void tell_mode(LabTime t);
 
@@ -58,6 +60,7 @@ class ControlLoop {
 
   std::optional<LabTime> stepped_;
   std::optional<LabTime> load_seen_;
+  double horizontal_share_ = 1.0;
   bool wish_missing_ = false;
   std::uint64_t steps_ = 0;
   std::uint64_t mode_told_ = 0;

@@ -60,6 +60,8 @@ QualisysLink qualisys_link(const TomlTable& root) {
   link.load_body = t.text("load_body");
   link.platform_body = t.text("platform_body");
   link.coast_s = t.number("coast_s", {0.0, 10.0});
+  link.rest_by_s = t.number("rest_by_s", {0.1, 30.0});
+  if (link.rest_by_s <= link.coast_s) t.fail("rest_by_s", "it is not after coast_s");
   link.driver.server_address = link.server.address;
   link.driver.udp_port = link.listen.port;
   link.driver.frame_period_s = t.number("period_s", kPeriod);

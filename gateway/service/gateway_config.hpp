@@ -36,7 +36,9 @@ struct QualisysLink {
   Endpoint listen;
   std::string load_body;
   std::string platform_body;
-  double coast_s = 3.0;  ///< how long the load may be unseen while engaged
+  double coast_s =
+      3.0;  ///< the load may be unseen for this long; then horizontal compensation is taken back …
+  double rest_by_s = 10.0;  ///< … until this, and the gateway rests
   qualisys::DriverConfig driver;
   LinkRule rule;
 };

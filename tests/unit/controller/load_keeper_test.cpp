@@ -189,8 +189,10 @@ TEST(LoadKeeper, EngagingOnAMovingShipBeginsWithoutAStep) {
 
 TEST(LoadKeeper, APostureOutOfReachGivesNoWish) {
   Bench b;
+  b.engaged = false;
   b.seconds(1);
-  b.reference += Vector3d(0, 0, 40);
+  b.reference += Vector3d(40, 0, 0);
+  b.engaged = true;
   bool none = false;
   for (int i = 0; i < 30000 && !none; ++i) {
     b.step();

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
+
+#include "gateway/controller/smooth_point.hpp"
 #include "tests/unit/controller/bench.hpp"
 
 namespace motionlab::controller {
@@ -11,13 +15,23 @@ using test::kDegree;
 using test::Pendulum;
 using Vector3d = Eigen::Vector3d;
 
+LoadLaw::Inputs seen(const Vector3d& reference, const Vector3d& p_WL, const Vector3d& v_WL, double wire_m) {
+  LoadLaw::Inputs inputs;
+  inputs.reference.p = reference;
+  inputs.p_WL = p_WL;
+  inputs.v_WL = v_WL;
+  inputs.wire_length_m = wire_m;
+  return inputs;
+}
+
 /// The law in closed loop with a nonlinear pendulum whose tool point does exactly what the law says.
 struct Loop {
   LoadLaw law{LoadLawConfig{}};
   Vector3d reference{0.85, -0.41, 3.92};
   double wire_m;
   Pendulum pendulum;
-  Vector3d offset = Vector3d::Zero();  ///< the real tool is off by this and nobody knows
+  std::optional<math::PointMotion> moving;  ///< a reference that moves
+  Vector3d offset = Vector3d::Zero();       ///< the real tool is off by this and nobody knows
   double t = 0;
 
   Loop(double wire, double swing_rad, double direction_rad)
@@ -25,14 +39,16 @@ struct Loop {
         pendulum(reference + Vector3d(0, 0, wire),
                  wire * Vector3d(std::sin(swing_rad) * std::cos(direction_rad),
                                  std::sin(swing_rad) * std::sin(direction_rad), -std::cos(swing_rad))) {
-    law.start(reference + Vector3d(0, 0, wire), Vector3d::Zero(), wire);
+    law.start(reference + Vector3d(0, 0, wire), Vector3d::Zero(), reference.z() + wire);
   }
   Vector3d tool() const { return law.p_WT() + offset; }
 
   /// One millisecond: the law, then ten fine steps of the world.
   void step() {
     const Vector3d p = law.p_WT(), v = law.v_WT();
-    law.step(1e-3, reference, pendulum.p, pendulum.v, wire_m);
+    LoadLaw::Inputs inputs = seen(reference, pendulum.p, pendulum.v, wire_m);
+    if (moving) inputs.reference = *moving;
+    law.step(1e-3, inputs);
     for (int k = 0; k < 10; ++k) {
       const double s = 1e-4 * (k + 1);
       pendulum.step(p + s * v + 0.5 * s * s * law.a_WT() + offset, v + s * law.a_WT(), law.a_WT());
@@ -67,7 +83,7 @@ TEST(LoadLaw, StartsWithoutAStep) {
   EXPECT_EQ(dut.v_WT(), v);
   EXPECT_EQ(dut.a_WT(), Vector3d::Zero());
   // Wherever load and reference are, the first step moves the tool by no more than the bounded acceleration.
-  dut.step(1e-3, Vector3d(5, 5, 5), Vector3d(-4, 9, 1), Vector3d(3, 3, 3), 2.0);
+  dut.step(1e-3, seen(Vector3d(5, 5, 5), Vector3d(-4, 9, 1), Vector3d(3, 3, 3), 2.0));
   EXPECT_LT((dut.p_WT() - p - 1e-3 * v).norm(), 0.5 * 1.5e-6 + 1e-12);
   EXPECT_LT((dut.v_WT() - v).norm(), 1.5e-3 + 1e-12);
 }
@@ -83,11 +99,11 @@ TEST(LoadLaw, AtItsPlaceItAsksForNothing) {
 TEST(LoadLaw, KeepsItsSpeedWithinTheBound) {
   LoadLaw dut{LoadLawConfig{}};
   Vector3d load(0, 0, 2);
-  dut.start(Vector3d(0, 0, 4), Vector3d::Zero(), 2.0);
+  dut.start(Vector3d(0, 0, 4), Vector3d::Zero(), 11.0);
   double fastest = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vector3d before = dut.v_WT();
-    dut.step(1e-3, Vector3d(30, -20, 9), load, dut.v_WT(), 2.0);
+    dut.step(1e-3, seen(Vector3d(30, -20, 9), load, dut.v_WT(), 2.0));
     load = dut.p_WT() - Vector3d(0, 0, 2);
     fastest = std::max(fastest, dut.v_WT().norm());
     ASSERT_LE((dut.v_WT() - before).norm(), 1.5e-3 + 1e-12);
@@ -98,10 +114,10 @@ TEST(LoadLaw, KeepsItsSpeedWithinTheBound) {
 
 TEST(LoadLaw, ATooFastBeginningIsSlowedNotCut) {
   LoadLaw dut{LoadLawConfig{}};
-  dut.start(Vector3d(0, 0, 4), Vector3d(1.0, 0, 0), 2.0);
+  dut.start(Vector3d(0, 0, 4), Vector3d(1.0, 0, 0), 4.0);
   double before = 1.0;
   for (int i = 0; i < 3000; ++i) {
-    dut.step(1e-3, Vector3d(0, 0, 2), Vector3d(dut.p_WT() - Vector3d(0, 0, 2)), dut.v_WT(), 2.0);
+    dut.step(1e-3, seen(Vector3d(0, 0, 2), Vector3d(dut.p_WT() - Vector3d(0, 0, 2)), dut.v_WT(), 2.0));
     const double speed = dut.v_WT().norm();
     ASSERT_LE(speed, std::max(before, 0.6) + 1e-12);
     ASSERT_GE(speed, before - 1.5e-3 - 1e-12);
@@ -129,18 +145,18 @@ TEST(LoadLaw, WithoutTheIntegralTheSameOffsetStays) {
   config.integral_zone_m = 0;
   Loop loop(2.0, 0, 0);
   loop.law = LoadLaw(config);
-  loop.law.start(loop.reference + Vector3d(0, 0, 2), Vector3d::Zero(), 2.0);
+  loop.law.start(loop.reference + Vector3d(0, 0, 2), Vector3d::Zero(), loop.reference.z() + 2.0);
   loop.offset = Vector3d(0.006, -0.008, 0);
   loop.pendulum.p += loop.offset;
   while (loop.t < 60) loop.step();
   EXPECT_GT((loop.pendulum.p - loop.reference).head<2>().norm(), 5e-3);
 }
 
-TEST(LoadLaw, BringsTheToolToTheHeightOfTheReferencePlusTheWireItStartedWith) {
+TEST(LoadLaw, BringsTheToolToItsHeight) {
   LoadLaw dut{LoadLawConfig{}};
-  dut.start(Vector3d(0, 0, 4.3), Vector3d::Zero(), 2.0);
+  dut.start(Vector3d(0, 0, 4.3), Vector3d::Zero(), 4.0);
   for (int i = 0; i < 15000; ++i) {
-    dut.step(1e-3, Vector3d(0, 0, 2), Vector3d(0, 0, 2.3), Vector3d::Zero(), 2.0);
+    dut.step(1e-3, seen(Vector3d(0, 0, 2), Vector3d(0, 0, 2.3), Vector3d::Zero(), 2.0));
     ASSERT_GT(dut.p_WT().z(), 4.0 - 1e-6) << "critically damped: no overshoot";
   }
   EXPECT_NEAR(dut.p_WT().z(), 4.0, 1e-3);
@@ -150,9 +166,48 @@ TEST(LoadLaw, WireLengthsOutsideOfItsTableUseTheNearestGain) {
   for (const double wire : {0.0, 0.3, 4.0, 9.0, 1e6}) {
     LoadLaw dut{LoadLawConfig{}};
     dut.start(Vector3d::Zero(), Vector3d::Zero(), 2.0);
-    dut.step(1e-3, Vector3d::Zero(), Vector3d(0.1, 0, -2), Vector3d::Zero(), wire);
+    dut.step(1e-3, seen(Vector3d::Zero(), Vector3d(0.1, 0, -2), Vector3d::Zero(), wire));
     EXPECT_TRUE(dut.a_WT().allFinite()) << wire;
   }
+}
+
+TEST(LoadLaw, WithoutItsShareTheToolRidesWithTheShipAndKeepsItsHeight) {
+  LoadLaw dut{LoadLawConfig{}};
+  const Vector3d reference(0, 0, 2), load(0.1, 0, 2);
+  dut.start(Vector3d(0, 0, 4), Vector3d(0.2, 0, 0), 4.0);
+  LoadLaw::Inputs inputs = seen(reference, load, Vector3d::Zero(), 2.0);
+  inputs.v_ship = Vector3d(0.3, -0.1, 0.4);
+  Vector3d before = dut.v_WT();
+  // Taken back and given again over seconds, the tool's speed never jumps.
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 1e-3 * i;
+    inputs.share = t < 7 ? 1 - t / 7 : t < 12 ? 0 : std::min(1.0, (t - 12) / 2);
+    dut.step(1e-3, inputs);
+    ASSERT_LT((dut.v_WT() - before).norm(), 3e-3) << t;
+    before = dut.v_WT();
+    if (t > 11 && t < 12) {
+      ASSERT_NEAR(dut.v_WT().x(), 0.3, 0.01);
+      ASSERT_NEAR(dut.v_WT().y(), -0.1, 0.01);
+      ASSERT_NEAR(dut.v_WT().z(), 0.0, 1e-9);
+      ASSERT_NEAR(dut.p_WT().z(), 4.0, 1e-9);
+    }
+  }
+}
+
+TEST(LoadLaw, FollowsAReferenceThatMovesSmoothly) {
+  Loop loop(2.0, 0, 0);
+  SmoothPoint moving{SmoothPointLimits{}};
+  moving.reset(loop.reference);
+  const Vector3d target = loop.reference + Vector3d(0.5, -0.3, 0);
+  double worst_swing = 0;
+  while (loop.t < 20) {
+    moving.step(1e-3, target);
+    loop.moving = {moving.p(), moving.v(), moving.a()};
+    loop.step();
+    worst_swing = std::max(worst_swing, loop.pendulum.swing(loop.tool()));
+  }
+  EXPECT_LT((loop.pendulum.p - target).norm(), 2e-3);
+  EXPECT_LT(worst_swing, 4 * kDegree);
 }
 
 TEST(LoadLaw, RefusesWeightsWithoutASolution) {
