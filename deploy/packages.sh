@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that are missing. Silent, and without a network, when none is.
+#   deploy/packages.sh build        to build and to run
+#   deploy/packages.sh build test   to test, too
+set -euo pipefail
+
+# package/command: a command that is there already will do, wherever it came from.
+build=(
+  cmake ninja-build g++ pkg-config python3
+  libeigen3-dev libboost-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev
+  libtinyxml2-dev libsystemd-dev
+  libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless/java # fastddsgen is a Java program
+  procps
+)
+test=(
+  libgtest-dev libgmock-dev libbenchmark-dev
+  cyclonedds-dev cyclonedds-tools # a stranger on the bus
+  nodejs/node npm/npm             # a stranger's ADS client
+  clang-14 libclang-rt-14-dev     # libFuzzer
+  clang-format-14 shellcheck
+)
+
+wanted=()
+for group in "${@:-build}"; do
+  case $group in
+    build) wanted+=("${build[@]}") ;;
+    test) wanted+=("${test[@]}") ;;
+    *)
+      echo "packages.sh: there is no group $group; say build, or build test" >&2
+      exit 64
+      ;;
+  esac
+done
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  echo "This is not Debian. Install what these packages of Debian 12 hold, and go on by hand: ${wanted[*]%%/*}" >&2
+  exit 1
+fi
+
+installed=" $(dpkg-query -W -f='${db:Status-Status}:${Package} ' 2>/dev/null)"
+missing=()
+for entry in "${wanted[@]}"; do
+  package=${entry%%/*}
+  [[ $installed == *" installed:$package "* ]] && continue
+  [[ $entry == */* ]] && command -v "${entry#*/}" >/dev/null && continue
+  missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "Packages are missing, and there is no sudo. As root, run: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+as_root+=(env DEBIAN_FRONTEND=noninteractive)
+
+echo "installing ${missing[*]}"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+apt() { "${as_root[@]}" apt-get -q -y -o DPkg::Lock::Timeout=300 "$@" >>"$log" 2>&1 </dev/null; }
+if ! apt update || ! apt install --no-install-recommends "${missing[@]}"; then
+  tail -n 30 "$log" >&2
+  echo "apt-get could not install them (above). Is there a network, and is this Debian 12?" >&2
+  exit 1
+fi
