@@ -47,7 +47,11 @@ ThesisMount ThesisMount::on_ship() {
 }
 
 ThesisMount ThesisMount::on_ship_as_printed() {
-  return {math::RigidTransform{}, printed_mount()};
+  ThesisMount mount;
+  mount.X_WN.R = Vector3d(1, 1, -1).asDiagonal();
+  mount.X_BR = printed_mount();
+  mount.heave_upside_down = true;
+  return mount;
 }
 
 ThesisCrane::ThesisCrane(const ThesisMount& mount, bool wave, const ThesisWire& wire, double gravity)
@@ -66,7 +70,8 @@ math::PointMotion ThesisCrane::tool(double t, const State& s, const Vector3d& a_
 
 ThesisCrane::State ThesisCrane::rate(double t, const State& s, const Vector3d& a_RT) const {
   const Vector2d angles = s.segment<2>(6), rates = s.segment<2>(8);
-  const Vector3d a_WT = tool(t, s, a_RT).a;
+  Vector3d a_WT = tool(t, s, a_RT).a;
+  if (mount_.heave_upside_down) a_WT.z() = -a_WT.z();
   State rate;
   rate << s.segment<3>(3), a_RT, rates,
       math::swing_acceleration<double>(angles, rates, a_WT, wire_.length_m(t), wire_.speed_mps(t), gravity_);

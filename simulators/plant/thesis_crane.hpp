@@ -24,12 +24,15 @@ struct ThesisWire {
 struct ThesisMount {
   math::RigidTransform X_WN;  ///< platform neutral
   math::RigidTransform X_BR;  ///< robot base in the platform's body
+  /// The mistake of Eq 3.81/3.82: the tool's vertical acceleration enters the swing with the wrong sign.
+  bool heave_upside_down = false;
 
   /// On the platform as the thesis prints it, the rotation made one by the nearest; N is z-down, so W turns
   /// it (the thesis prints no X_WN: heading and origin are a choice).
   [[nodiscard]] static ThesisMount on_ship();
-  /// As the thesis computes: the swing equations, which want z up, fed in the axes of N, which is z-down
-  /// (Eq 3.81/3.82 leave out the rotation), and the mount as printed. Heave then has the wrong sign.
+  /// As the thesis computes: the swing equations, which want z up, fed in the axes of N, which is z-down, and
+  /// the mount as printed. W then is left-handed, (x, y, −z) of N, in which a point mass swings by the same
+  /// equations but for the sign of heave; the load hangs down.
   [[nodiscard]] static ThesisMount on_ship_as_printed();
 };
 

@@ -1,0 +1,34 @@
+/// @file  Runs a scenario of the thesis and shows every millisecond of it to whoever asks.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+
+#include "simulators/lab/thesis/scenario.hpp"
+
+namespace motionlab::thesis {
+
+/// One millisecond, at its beginning. In the pendulum, x stands in p.x and theta in the place of alpha.
+struct Sample {
+  std::int64_t t_ms = 0;
+  Eigen::Matrix<double, 10, 1> state;     ///< tool point, velocity in the robot's axes, swing angles, rates
+  Eigen::Matrix<double, 10, 1> estimate;  ///< what the law was given: the state itself for `ideal`
+  Eigen::Vector3d p_RT_reference;         ///< [m]
+  Eigen::Vector3d command;                ///< acceleration asked for, in the robot's axes [m/s²]
+  Eigen::Vector3d p_WT, p_WL;             ///< tool point and load in world [m]
+  Eigen::Vector3d p_WT_set, p_WL_set;     ///< where they should be: ship at neutral, plumb
+  double wire_m = 0;
+  double wire_speed_mps = 0;
+};
+
+using Observer = std::function<void(const Sample&)>;
+
+/// Tool point at home in the robot's axes [m] (Tab 4.1; with the code's forearm of 1.4922 m).
+[[nodiscard]] Eigen::Vector3d home_m();
+
+/// Simulates with classical Runge–Kutta steps of 1 ms and calls `observer` for every one of them, before it
+/// is taken. With `ideal` the law acts at every stage of a step, and its memory is integrated with the plant;
+/// with a filter it acts once a millisecond on the newest estimate and its command is held.
+void simulate(const Run& run, const Observer& observer);
+
+}  // namespace motionlab::thesis
