@@ -1,0 +1,162 @@
+// A configuration that is not right is refused before a socket is opened, with its place and what to write.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "drivers/core/error.hpp"
+#include "tests/integration/line.hpp"
+
+namespace motionlab::integration {
+namespace {
+
+using service::load_gateway_config;
+using testing::HasSubstr;
+
+/// What start-up says about lab.toml, loopback.toml and this overlay; empty when it has nothing to say.
+std::string complaint(const std::string& overlay) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "overlay.toml";
+  std::ofstream(file) << overlay;
+  try {
+    (void)load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml"), file});
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+struct Mistake {
+  std::string name;
+  std::string overlay;
+  std::string place;              ///< file:line:column
+  std::vector<std::string> says;  ///< the key, and what to write instead
+};
+void PrintTo(const Mistake& mistake, std::ostream* out) {
+  *out << mistake.name;
+}
+
+class WrongConfiguration : public testing::TestWithParam<Mistake> {};
+
+TEST_P(WrongConfiguration, IsRefusedWithItsPlaceAndAdvice) {
+  const std::string text = complaint(GetParam().overlay);
+  ASSERT_FALSE(text.empty()) << "it was accepted";
+  EXPECT_THAT(text, HasSubstr(GetParam().place));
+  for (const auto& words : GetParam().says) EXPECT_THAT(text, HasSubstr(words));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfTheGateway, WrongConfiguration,
+    testing::Values(
+        Mistake{"UnknownKey",
+                "[mru1]\nstale_afer_s = 0.1\n",
+                "overlay.toml:2:1",
+                {"stale_afer_s", "stale_after_s"}},
+        Mistake{"UnknownTable", "[mru3]\ntoken = 1\n", "overlay.toml:1", {"mru3"}},
+        Mistake{"WrongUnit", "[mru1]\nperiod_ms = 5\n", "overlay.toml:2:1", {"period_ms", "period_s"}},
+        Mistake{"WrongType", "[mru1]\nperiod_s = \"fast\"\n", "overlay.toml:2:", {"period_s", "number"}},
+        Mistake{"OutOfRange", "\n[mru1]\nperiod_s = 5.0\n", "overlay.toml:3:", {"period_s", "0.0002"}},
+        Mistake{"NotFinite", "[mru1]\nlatency_s = nan\n", "overlay.toml:2:", {"latency_s"}},
+        Mistake{"BadEndpoint", "[mru1]\nlisten = \"127.0.0.1\"\n", "overlay.toml:2:", {"listen", ":50043"}},
+        Mistake{"BadPort", "[mru1]\nlisten = \"127.0.0.1:70000\"\n", "overlay.toml:2:", {"listen"}},
+        Mistake{"BadAddress", "[mru1]\nsource = \"localhost\"\n", "overlay.toml:2:", {"source"}},
+        Mistake{"BadNetId", "[winch]\nnet_id = \"1.2.3\"\n", "overlay.toml:2:", {"net_id"}},
+        Mistake{"NoRotation",
+                "[calibration]\nworld_to_qtm = { q = [1.0, 1.0, 0.0, 0.0], p_m = [0.0, 0.0, 0.0] }\n",
+                "overlay.toml:2:",
+                {"q", "rotation"}},
+        Mistake{"MinimumAboveMaximum",
+                "[limits]\nq_min_deg = [45.0, -30.0, -135.0, -10.0, -10.0, -10.0]\n",
+                "overlay.toml:2:",
+                {"q_min_deg", "joint 1"}},
+        Mistake{"WireMinimumAboveMaximum", "[limits]\nwire_min_m = 3.0\n", "overlay.toml:2:", {"wire_min_m"}},
+        Mistake{"TooFewNumbers",
+                "[limits]\nqd_max_degps = [30.0, 30.0]\n",
+                "overlay.toml:2:",
+                {"qd_max_degps", "6"}},
+        Mistake{"UnknownWord", "[control]\nauthority = \"max\"\n", "overlay.toml:2:", {"authority", "full"}},
+        Mistake{"BadToken", "[mru1]\ntoken = 256\n", "overlay.toml:2:", {"token", "255"}},
+        Mistake{"BadSign", "[winch]\npay_out_sign = 0.5\n", "overlay.toml:2:", {"pay_out_sign"}},
+        Mistake{"NoToml", "[mru1\ntoken = 1\n", "overlay.toml:1:", {}},
+        Mistake{"TwiceTheSameKey", "[mru1]\ntoken = 1\ntoken = 2\n", "overlay.toml:3:", {"token"}}),
+    testing::PrintToStringParamName());
+
+TEST(WrongConfigurationFile, ThatIsMissingOrAFolderIsNamed) {
+  for (const std::filesystem::path file : {"/nonexistent/lab.toml", "/tmp"}) {
+    try {
+      (void)load_gateway_config(file);
+      FAIL() << file << " was accepted";
+    } catch (const StartupError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(file.string()));
+    }
+  }
+}
+
+TEST(WrongConfigurationFile, WithoutARequiredKeySaysWhichAndWhere) {
+  std::ifstream original(config_file("lab.toml"));
+  const auto file = std::filesystem::path(testing::TempDir()) / "shortened.toml";
+  std::ofstream shortened(file);
+  for (std::string line; std::getline(original, line);) {
+    if (!line.starts_with("robot_computer")) shortened << line << '\n';
+  }
+  shortened.close();
+  try {
+    (void)load_gateway_config(file);
+    FAIL() << "it was accepted";
+  } catch (const StartupError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("shortened.toml:"));
+    EXPECT_THAT(error.what(), HasSubstr("[comau]"));
+    EXPECT_THAT(error.what(), HasSubstr("robot_computer"));
+  }
+}
+
+TEST(Configuration, EveryFileThatIsDeliveredLoads) {
+  EXPECT_NO_THROW((void)load_gateway_config(config_file("lab.toml")));
+  EXPECT_NO_THROW((void)load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml")}));
+  EXPECT_NO_THROW((void)load_gateway_config(config_file("lab.toml"),
+                                            {config_file("loopback.toml"), config_file("shared-vm.toml")}));
+  EXPECT_NO_THROW((void)lab::LabConfig::load(config_file("world.toml")));
+}
+
+TEST(Configuration, WithoutAWatchdogTheJointsAreLimitedAndTheLogIsTold) {
+  const auto laboratory = load_gateway_config(config_file("lab.toml"));
+  for (const double fastest : laboratory.limits.qd_max_radps) EXPECT_LE(fastest, 0.1);
+  ASSERT_EQ(laboratory.notes.size(), 1U);
+  EXPECT_THAT(laboratory.notes.front(), HasSubstr("watchdog"));
+  EXPECT_EQ(laboratory.comau.driver.qd_max_radps, laboratory.limits.qd_max_radps);
+
+  const auto loopback = load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml")});
+  EXPECT_GT(loopback.limits.qd_max_radps[0], 0.5);
+  EXPECT_TRUE(loopback.notes.empty());
+}
+
+TEST(Configuration, WiringNamesEveryDeviceItsAddressAndWhatIsRequired) {
+  const auto config = load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml")});
+  const std::string text = service::wiring(config);
+  for (const char* const words :
+       {"mru1", "mru2", "qualisys", "arm", "winch", "127.0.0.1:50043", "127.0.0.1:50044", "127.0.0.1:22223",
+        "127.0.0.1:50199", "127.0.0.1:50032", "127.0.0.1:50042", "127.0.0.1:48898", "192.168.90.150.1.1",
+        "required", "DDS domain 42"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6) << text;
+}
+
+TEST(Configuration, APortInUseIsToldBeforeAnythingIsSent) {
+  const lockstep::Config config = configure("calm");
+  SteppedClock clock;
+  MemoryNetwork network(clock);
+  const auto occupied = network.datagram(config.gateway.mrus.front().listen);
+  bus::LocalBus bus;
+  service::ArmSchedule schedule;
+  try {
+    const service::Devices devices(config.gateway, network, bus, schedule);
+    FAIL() << "the port was given twice";
+  } catch (const StartupError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("127.0.0.1:50043"));
+  }
+  EXPECT_FALSE(network.next_due()) << "something was sent";
+}
+
+}  // namespace
+}  // namespace motionlab::integration
