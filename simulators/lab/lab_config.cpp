@@ -61,7 +61,8 @@ void read_differences(const TomlTable& t, plant::Differences& d) {
   read_number(t, "sensor_extra_latency_s", d.sensor_extra_latency_s, {0, 1});
   read_number(t, "calibration_offset_m", d.calibration_offset_m, {0, 0.1});
   read_degrees(t, "calibration_angle_deg", d.calibration_angle_rad, {0, 10});
-  read_number(t, "wire_extra_m", d.wire_extra_m, {-0.1, 0.1});
+  read_number(t, "wire_extra_m", d.wire_extra_m, {-0.5, 0.5});
+  read_number(t, "mru_noise_factor", d.mru_noise_factor, {0, 100});
 }
 
 void read_arm(const TomlTable& t, plant::WorldConfig& w) {
@@ -71,6 +72,11 @@ void read_arm(const TomlTable& t, plant::WorldConfig& w) {
   read_number(t, "d1_m", w.arm_geometry.d1_m, {0, 10});
   read_number(t, "reach_m", w.arm_geometry.reach_m, {0, 10});
   read_joints(t, "home_deg", w.home_rad, kDegree, {-360, 360});
+  w.arm_mode.flexible = t.boolean_or("flexible", w.arm_mode.flexible);
+  // Faster than this the tick is too long for the arm's own oscillation.
+  read_number(t, "mode_frequency_hz", w.arm_mode.frequency_hz, {0.5, 200});
+  read_number(t, "mode_damping_ratio", w.arm_mode.damping_ratio, {0, 2});
+  read_number(t, "mode_mass_kg", w.arm_mode.mass_kg, {1, 10000});
   read_joints(t, "omega_radps", w.arm.omega_radps, 1.0, {0.1, 500});
   read_joints(t, "zeta", w.arm.zeta, 1.0, {0.05, 5});
   read_number(t, "command_delay_s", w.arm.command_delay_s, {0, 1});
@@ -95,7 +101,7 @@ void read_winch(const TomlTable& t, plant::WorldConfig& w) {
   read_number(t, "start_length_m", w.start_wire_length_m, {shortest, shortest + w.winch.travel_m});
 }
 
-void read_load(const TomlTable& t, plant::LoadConfig& c) {
+void read_load(const TomlTable& t, const plant::WorldConfig& w, plant::LoadConfig& c) {
   read_number(t, "mass_kg", c.mass_kg, {0.1, 1000});
   read_number(t, "gravity_mps2", c.gravity_mps2, Range::positive());
   // Stiffer than this the tick is too long for the wire's own oscillation.
@@ -105,6 +111,11 @@ void read_load(const TomlTable& t, plant::LoadConfig& c) {
   read_number(t, "radius_m", c.radius_m, {0, 2});
   read_number(t, "drag_coefficient", c.drag_coefficient, {0, 5});
   read_number(t, "air_density_kgpm3", c.air_density_kgpm3, {0, 2});
+  c.rigid_body = t.boolean_or("rigid_body", c.rigid_body);
+  // Some wire has to be left above the hook, and a body smaller than this tilts too fast for the tick.
+  read_number(t, "hook_to_centre_m", c.hook_to_centre_m, {0, 0.8 * w.winch.length_at_zero_travel_m});
+  read_number(t, "gyration_radius_m", c.gyration_radius_m, {0.01, 5});
+  read_number(t, "tilt_damping_ratio", c.tilt_damping_ratio, {0, 2});
 }
 
 void read_mru(const TomlTable& t, plant::MruConfig& c) {
@@ -202,7 +213,7 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   read_calibration(root.table_or_empty("calibration"), c.world.calibration);
   read_arm(root.table_or_empty("arm"), c.world);
   read_winch(root.table_or_empty("winch"), c.world);
-  read_load(root.table_or_empty("load"), c.world.load);
+  read_load(root.table_or_empty("load"), c.world, c.world.load);
   read_mru(root.table_or_empty("mru1"), c.world.mru1);
   read_mru(root.table_or_empty("mru2"), c.world.mru2);
   c.world.mru1.gravity_mps2 = c.world.mru2.gravity_mps2 = c.world.load.gravity_mps2;

@@ -83,10 +83,12 @@ struct Round {
 struct SimulatedLab::Impl {
   Impl(const LabConfig& config, Network& network, LabTime start)
       : world(config.world, config.scenario, config.seed, start),
-        mru1_sensor(config.world.mru1, config.world.calibration.world_to_em8000,
-                    world.calibration().em8000_to_mru1, config.seed, "mru1"),
-        mru2_sensor(config.world.mru2, config.world.calibration.world_to_em1500,
-                    world.calibration().em1500_to_mru2, config.seed, "mru2"),
+        mru1_sensor(config.world.mru1.with_noise_times(config.world.differences.mru_noise_factor),
+                    config.world.calibration.world_to_em8000, world.calibration().em8000_to_mru1, config.seed,
+                    "mru1"),
+        mru2_sensor(config.world.mru2.with_noise_times(config.world.differences.mru_noise_factor),
+                    config.world.calibration.world_to_em1500, world.calibration().em1500_to_mru2, config.seed,
+                    "mru2"),
         camera_sensor(config.world.camera, world.calibration().world_to_qtm, config.seed),
         encoders(config.world.encoder, config.seed),
         mru1_socket(network.datagram(config.mru1.from)),
@@ -139,7 +141,7 @@ struct SimulatedLab::Impl {
     const LabTime t = camera_round.take();
     const plant::WorldState s = world.sample(t);
     const auto seen =
-        camera_sensor.sample({plant::load_orientation(s.crane.swing_rad), s.crane.p_WL}, s.platform.X_WB);
+        camera_sensor.sample({plant::load_orientation(s.crane.tilt_rad), s.crane.p_WL}, s.platform.X_WB);
     frame.bodies.clear();
     frame.bodies.push_back(body_of(kLoadBody, seen.load));
     frame.bodies.push_back(body_of(kPlatformBody, seen.platform));

@@ -43,6 +43,16 @@ MruConfig MruConfig::with_white_noise_only() const {
   return c;
 }
 
+MruConfig MruConfig::with_noise_times(double factor) const {
+  MruConfig c = *this;
+  c.roll_pitch_rms_rad *= factor;
+  c.roll_pitch_white_rms_rad *= factor;
+  c.yaw_walk_rad_per_sqrt_s *= factor;
+  c.rate_noise_rms_radps *= factor;
+  c.acceleration_noise_rms_mps2 *= factor;
+  return c;
+}
+
 MruConfig MruConfig::without_errors() const {
   MruConfig c = with_white_noise_only();
   c.roll_pitch_white_rms_rad = 0;

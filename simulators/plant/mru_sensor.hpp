@@ -34,6 +34,8 @@ struct MruConfig {
   /// The unit on the second ship, mounted true.
   static MruConfig second_ship();
   [[nodiscard]] MruConfig with_white_noise_only() const;
+  /// Every random error `factor` times as large; bias and mounting stay.
+  [[nodiscard]] MruConfig with_noise_times(double factor) const;
   /// No noise, bias or drift; filters, rate and latency stay.
   [[nodiscard]] MruConfig without_errors() const;
 

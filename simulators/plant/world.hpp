@@ -18,11 +18,12 @@ namespace motionlab::plant {
 
 /// The load and what it hangs on.
 struct HangingState {
-  PointMotion tool;           ///< tool point in world: p [m], v [m/s], a [m/s²]
-  Eigen::Vector3d p_WL;       ///< load in world [m]
-  Eigen::Vector3d v_WL;       ///< [m/s]
-  Eigen::Vector2d swing_rad;  ///< (alpha, beta), thesis Eq 3.49; zero when plumb
-  double free_length_m;       ///< true unstretched wire from tool point to load
+  PointMotion tool;      ///< tool point in world, the arm's giving way included: p [m], v [m/s], a [m/s²]
+  Eigen::Vector3d p_WL;  ///< load's centre in world, where the cameras see it [m]
+  Eigen::Vector3d v_WL;  ///< [m/s]
+  Eigen::Vector2d swing_rad;  ///< of the load's centre: (alpha, beta), thesis Eq 3.49; zero when plumb
+  Eigen::Vector2d tilt_rad;   ///< of the load's own axis, likewise; equal to the swing of a point mass
+  double free_length_m;       ///< true length from tool point to load, wire unstretched
   double length_rate_mps;
   double tension_n;
 };
@@ -57,6 +58,8 @@ class World {
   void set_joint_set_points(const Joints& q_rad) { joint_set_points_ = q_rad; }
   /// Length set point of the winch, in m by its own encoder.
   void set_wire_set_point(double length_m) { wire_set_point_ = length_m; }
+  /// A force on the load's centre in world, in N, until changed; the twin feels it too.
+  void set_push(const Eigen::Vector3d& force_n) { push_n_ = force_n; }
 
   /// End of the last tick.
   [[nodiscard]] LabTime time() const { return end_.t; }
@@ -87,8 +90,10 @@ class World {
 
   void tick();
   void hang(Knot& knot, const PlatformState& platform) const;
+  [[nodiscard]] PointMotion posture_point(const PlatformState& platform, const Eigen::Vector3d& p_RT,
+                                          const Eigen::Vector3d& v_BT, const Eigen::Vector3d& a_BT) const;
   [[nodiscard]] PlatformState platform_at(LabTime t);
-  [[nodiscard]] HangingState hanging(const PointMotion& tool, double free_length, double rate,
+  [[nodiscard]] HangingState hanging(const PointMotion& posture, double free_length, double rate,
                                      const LoadState& load) const;
 
   WorldConfig config_;
@@ -104,7 +109,9 @@ class World {
   Joints joint_set_points_;
   double wire_set_point_;
   double extra_wire_m_;
-  Eigen::Vector3d p_BT_home_;
+  Eigen::Vector3d p_RT_home_;
+  Eigen::Vector3d sag_R_;  ///< of the arm's own weight at home, which the calibration has taken out
+  Eigen::Vector3d push_n_ = Eigen::Vector3d::Zero();
   Knot begin_, end_;
 };
 

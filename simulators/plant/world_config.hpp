@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gateway/math/crane_arm.hpp"
+#include "simulators/plant/arm_mode.hpp"
 #include "simulators/plant/arm_servo.hpp"
 #include "simulators/plant/calibration.hpp"
 #include "simulators/plant/camera_sensor.hpp"
@@ -21,8 +22,9 @@ struct Differences {
   double calibration_offset_m = 0.0005;   ///< robot base, MRU mounts, camera system; direction from the seed
   double calibration_angle_rad = 0.000872664626;  ///< 0.05°
   double wire_extra_m = 0.002;                    ///< wire is longer than the winch says
+  double mru_noise_factor = 1.0;                  ///< on every random error of the MRUs
 
-  static Differences none() { return {1.0, 0.0, 0.0, 0.0, 0.0}; }
+  static Differences none() { return {1.0, 0.0, 0.0, 0.0, 0.0, 1.0}; }
 };
 
 struct WorldConfig {
@@ -31,6 +33,7 @@ struct WorldConfig {
   Joints home_rad{0, 0, -1.5707963267948966, 0, 0, 0};
   double start_wire_length_m = 2.0;  ///< by the winch's encoder; the twin keeps it
   ArmServoConfig arm;
+  ArmMode arm_mode;
   WinchServoConfig winch;
   LoadConfig load;
   MruConfig mru1;
@@ -39,7 +42,7 @@ struct WorldConfig {
   EncoderConfig encoder;
   Differences differences;
 
-  /// Belief is truth: no differences, a nearly rigid wire, white noise only.
+  /// Belief is truth: no differences, a nearly rigid wire, a rigid arm, a point mass, white noise only.
   [[nodiscard]] WorldConfig as_believed() const;
   /// Sensors without noise, bias or drift; rates, latencies and the high-pass of the MRUs stay.
   [[nodiscard]] WorldConfig with_perfect_sensors() const;

@@ -25,6 +25,7 @@ LoadConfig frictionless(double ea_n = 2e5) {
   c.wire_damping_ratio = 0;
   c.swing_damping_ratio = 0;
   c.drag_coefficient = 0;
+  c.rigid_body = false;
   return c;
 }
 
