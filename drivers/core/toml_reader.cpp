@@ -198,6 +198,15 @@ toml::table parse(const std::filesystem::path& file) {
   }
 }
 
+toml::table parse(const TomlText& text) {
+  try {
+    return toml::parse(text.text, text.source);
+  } catch (const toml::parse_error& problem) {
+    throw StartupError(to_text(problem.source(), text.source) + ": " + std::string(problem.description()) +
+                       "; correct this text");
+  }
+}
+
 /// A key that nobody asked for.
 struct Unknown {
   const TomlNode* node = nullptr;
@@ -372,11 +381,13 @@ void TomlTable::fail(std::string_view key, std::string_view why_and_what_to_do) 
 }
 
 TomlDocument TomlDocument::load(const std::filesystem::path& file,
-                                const std::vector<std::filesystem::path>& overlays) {
+                                const std::vector<std::filesystem::path>& overlays,
+                                const std::vector<TomlText>& texts) {
   auto root = std::make_shared<TomlNode>();
   root->file = file.string();
   root->own = parse(file);
   for (const auto& overlay : overlays) merge(root->own, parse(overlay));
+  for (const auto& text : texts) merge(root->own, parse(text));
   return TomlDocument{std::move(root)};
 }
 

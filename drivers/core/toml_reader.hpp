@@ -114,13 +114,21 @@ class TomlTable {
   std::shared_ptr<TomlNode> node_;
 };
 
+/// A piece of a document that stands in no file, e.g. on the command line.
+struct TomlText {
+  std::string source;  ///< where errors point, in place of a file's name
+  std::string text;
+};
+
 /// A configuration file with others laid over it.
 class TomlDocument {
  public:
-  /// Reads `file`; then every overlay, in order, replaces single values, however deep, and may add some.
+  /// Reads `file`; then every overlay, in order, and then every text, replaces single values, however deep,
+  /// and may add some.
   /// @throws StartupError for a missing file, a syntax error, a duplicate key
   static TomlDocument load(const std::filesystem::path& file,
-                           const std::vector<std::filesystem::path>& overlays = {});
+                           const std::vector<std::filesystem::path>& overlays = {},
+                           const std::vector<TomlText>& texts = {});
 
   [[nodiscard]] TomlTable root() const { return TomlTable{root_}; }
 

@@ -150,8 +150,9 @@ estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& ar
 }  // namespace
 
 GatewayConfig load_gateway_config(const std::filesystem::path& file,
-                                  const std::vector<std::filesystem::path>& overlays) {
-  const TomlDocument document = TomlDocument::load(file, overlays);
+                                  const std::vector<std::filesystem::path>& overlays,
+                                  const std::vector<TomlText>& texts) {
+  const TomlDocument document = TomlDocument::load(file, overlays, texts);
   const TomlTable root = document.root();
   GatewayConfig config;
   config.effective = document.effective();

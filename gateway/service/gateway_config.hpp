@@ -8,6 +8,7 @@
 
 #include "drivers/comau/comau_driver.hpp"
 #include "drivers/core/endpoint.hpp"
+#include "drivers/core/toml_reader.hpp"
 #include "drivers/mru/mru_driver.hpp"
 #include "drivers/qualisys/qualisys_driver.hpp"
 #include "drivers/winch/winch_driver.hpp"
@@ -74,9 +75,11 @@ struct GatewayConfig {
   void set_platform_tracked(bool tracked);
 };
 
-/// Reads and checks. @throws StartupError with file, line, column and what to write instead
+/// Reads and checks; texts are laid over the files. @throws StartupError with file, line, column and what to
+/// write instead
 GatewayConfig load_gateway_config(const std::filesystem::path& file,
-                                  const std::vector<std::filesystem::path>& overlays = {});
+                                  const std::vector<std::filesystem::path>& overlays = {},
+                                  const std::vector<TomlText>& texts = {});
 
 /// Who listens where and who is spoken to, one line each, for people.
 [[nodiscard]] std::string wiring(const GatewayConfig& config);

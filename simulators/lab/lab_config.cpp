@@ -205,8 +205,9 @@ LabConfig::LabConfig() {
 }
 
 LabConfig LabConfig::load(const std::filesystem::path& file,
-                          const std::vector<std::filesystem::path>& overlays) {
-  const TomlDocument document = TomlDocument::load(file, overlays);
+                          const std::vector<std::filesystem::path>& overlays,
+                          const std::vector<TomlText>& texts) {
+  const TomlDocument document = TomlDocument::load(file, overlays, texts);
   const TomlTable root = document.root();
   LabConfig c;
   read_differences(root.table_or_empty("differences"), c.world.differences);

@@ -52,10 +52,11 @@ struct LabConfig {
   int bus_domain = 42;
   std::vector<std::string> bus_interfaces{"127.0.0.1"};
 
-  /// Reads a file with others laid over it. What is absent keeps its default.
+  /// Reads a file with others laid over it, then texts. What is absent keeps its default.
   /// @throws StartupError with file, line, column and advice: unknown key, wrong kind, out of range
   static LabConfig load(const std::filesystem::path& file,
-                        const std::vector<std::filesystem::path>& overlays = {});
+                        const std::vector<std::filesystem::path>& overlays = {},
+                        const std::vector<TomlText>& texts = {});
 
   /// @throws StartupError that lists the names
   void set_scenario(std::string_view name);

@@ -5,6 +5,7 @@
 #include "drivers/core/config_path.hpp"
 #include "gateway/monitor/scorer.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "simulators/lab/settings.hpp"
 
 namespace motionlab::study {
 
@@ -20,9 +21,11 @@ lockstep::Config configure(const LabRun& run) {
   // Addresses of the loopback overlay, freshness limits of the laboratory: a virtual clock never stands
   // still.
   const auto lab_toml = run.config.empty() ? find_config("lab.toml") : std::filesystem::path(run.config);
-  config.gateway = service::load_gateway_config(lab_toml, {find_config("loopback.toml")});
-  config.lab = lab::LabConfig::load(run.world_config.empty() ? find_config("world.toml")
-                                                             : std::filesystem::path(run.world_config));
+  const auto world_toml =
+      run.world_config.empty() ? find_config("world.toml") : std::filesystem::path(run.world_config);
+  const auto settings = lab::Settings::parse(run.settings);
+  config.gateway = service::load_gateway_config(lab_toml, {find_config("loopback.toml")}, settings.lab);
+  config.lab = lab::LabConfig::load(world_toml, {}, settings.world);
   config.lab.set_scenario(run.scenario);
   config.lab.seed = run.seed;
   const bool tracked = run.platform == "tracked";

@@ -21,7 +21,8 @@ struct LabRun {
   std::string sensors = "real";
   std::string platform = "tracked";
   std::string differences = "on";
-  std::vector<std::string> faults;
+  std::vector<std::string> faults;    ///< as PlannedFault::parse takes them
+  std::vector<std::string> settings;  ///< as Settings::parse takes them
   std::uint64_t seed = 1;
   double seconds = 60;
   double engage_at_s = 10;

@@ -64,6 +64,9 @@ int main(int argc, char** argv) {
   app.add_option("--fault", options.lab.faults,
                  "DEVICE:FAULT[=VALUE]@FROM[..UNTIL] in s, e.g. mru1:silent@30")
       ->take_all();
+  app.add_option("--set", options.lab.settings,
+                 "world.KEY=VALUE or lab.KEY=VALUE over the files, e.g. world.load.mass_kg=36")
+      ->take_all();
   app.add_option("--config", options.lab.config,
                  "lab.toml; default: found in deploy/config or /etc/motionlab");
   app.add_option("--world-config", options.lab.world_config, "world.toml; likewise");
