@@ -106,6 +106,7 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
   facts.at_rest = guard_.at_rest();
   if (now.load && now.load->tracked && fresh(now.load, now.t, config_.qualisys.rule.stale_after_s))
     load_seen_ = now.t;
+  if (now.mru && now.mru->stable) mru_stable_ = now.t;
 
   // What ends an engagement: the first that holds is told.
   const auto unsafe = [&]() -> std::optional<Obstacle> {
@@ -122,7 +123,8 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
     }
     if (now.winch->error)
       return Obstacle{"winch_fault", "the winch drive reports a fault; clear it at the drive, then reset"};
-    if (!now.mru->stable)
+    // For as long as it may be silent: one datagram whose header was damaged says little.
+    if (!mru_stable_ || seconds(now.t - *mru_stable_) > config_.mrus.front().rule.stale_after_s)
       return Obstacle{"mru1_unstable", "mru1 says that it is settling; wait until it is stable, then reset"};
     if (!estimate.valid)
       return Obstacle{"no_estimate", "there is no estimate; wait until the load is seen, then reset"};

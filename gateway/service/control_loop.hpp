@@ -60,6 +60,7 @@ class ControlLoop {
 
   std::optional<LabTime> stepped_;
   std::optional<LabTime> load_seen_;
+  std::optional<LabTime> mru_stable_;  ///< when the unit last called itself settled
   double horizontal_share_ = 1.0;
   bool wish_missing_ = false;
   std::uint64_t steps_ = 0;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "drivers/core/error.hpp"
 #include "drivers/core/toml_reader.hpp"
 
 namespace motionlab::service {
@@ -24,6 +25,17 @@ std::array<double, N> scaled(std::array<double, N> values, double by) {
   return values;
 }
 
+/// Reads a text by its own parser; what that one says is told with the key's place.
+template <class Parse>
+auto parsed(const TomlTable& table, std::string_view key, Parse&& parse) {
+  const std::string text = table.text(key);
+  try {
+    return parse(text);
+  } catch (const StartupError& error) {
+    table.fail(key, error.what());
+  }
+}
+
 math::RigidTransform pose(const TomlTable& table, std::string_view key) {
   const TomlTable entry = table.table(key);
   const auto q = entry.numbers<4>("q", {-1.0, 1.0});
@@ -41,7 +53,7 @@ MruLink mru_link(const TomlTable& root, const std::string& name, bool required) 
   MruLink link;
   link.listen = t.endpoint("listen");
   link.driver.device = name;
-  link.driver.source_address = Endpoint::parse_address(t.text("source"));
+  link.driver.source_address = parsed(t, "source", Endpoint::parse_address);
   link.driver.layout.token = static_cast<std::uint8_t>(t.integer("token", {0, 255}));
   link.driver.period_s = t.number("period_s", kPeriod);
   link.driver.latency_s = t.number("latency_s", kLatency);
@@ -86,9 +98,9 @@ WinchLink winch_link(const TomlTable& root) {
   const TomlTable t = root.table("winch");
   WinchLink link;
   link.plc = t.endpoint("plc");
-  link.driver.target = {winch::NetId::parse(t.text("net_id")),
+  link.driver.target = {parsed(t, "net_id", winch::NetId::parse),
                         static_cast<std::uint16_t>(t.integer("ads_port", {1, 65535}))};
-  link.driver.local = {winch::NetId::parse(t.text("local_net_id")),
+  link.driver.local = {parsed(t, "local_net_id", winch::NetId::parse),
                        static_cast<std::uint16_t>(t.integer("local_ads_port", {1, 65535}))};
   link.driver.command_period_s = t.number("command_period_s", {0.005, 0.05});
   link.driver.latency_s = t.number("latency_s", kLatency);

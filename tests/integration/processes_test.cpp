@@ -247,7 +247,7 @@ TEST_F(Processes, HostsThatDoNotAnswerAreSaidAndLivedWith) {
   Observer observer(domain_);
   const auto gateway = start_gateway();
   for (const char* const device : {"mru1", "qualisys", "arm", "winch"}) {
-    EXPECT_TRUE(eventually(
+    ASSERT_TRUE(eventually(
         [&] {
           const auto health = observer.health(device);
           return !health.device.empty() && health.link != LinkState::up && !health.advice.empty();
