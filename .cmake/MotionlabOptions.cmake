@@ -3,7 +3,6 @@ include(GNUInstallDirs)
 
 option(MOTIONLAB_TESTS "Build the tests" ON)
 option(MOTIONLAB_WERROR "Treat warnings as errors" ON)
-option(MOTIONLAB_FUZZ "Build the libFuzzer targets (needs clang)" OFF)
 set(MOTIONLAB_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 
 set(CMAKE_CXX_STANDARD 20)

@@ -30,7 +30,7 @@ if grep -vxFf "$work/expected" "$work/read"; then
 fi
 
 echo "== Cyclone to ours: motionlab/mode_request"
-name=requester-with-exactly-32-letters
+name="requester-with-exactly-32-letters"
 [ ${#name} -eq 33 ] && name=${name%s}
 "$peer" receive $domain 10 >"$work/requests" &
 receiver=$!
