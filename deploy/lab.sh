@@ -3,7 +3,7 @@
 # processes on loopback, engages at 10 s, and says once a second how still the load is. Leaves nothing running.
 set -euo pipefail
 
-readonly engage_at_s=10 score_from_s=20 calm_before_s=6
+readonly engage_at_s=10 score_from_s=20 calm_before_s=5
 readonly healthy_within_s=20 # of real time
 
 usage() {
@@ -97,7 +97,9 @@ quietly cmake --build "$build" --target motionlab motionlab-gateway motionlab-si
 
 readonly sim=$build/simulators/lab/sim/motionlab-sim
 readonly gateway=$build/gateway/service/program/motionlab-gateway
-motionlab() { "$build/gateway/monitor/motionlab" --interface 127.0.0.1 "$@" 9>&-; }
+unset MOTIONLAB_DOMAIN MOTIONLAB_INTERFACE # the files say where this laboratory is
+readonly hand=$build/gateway/monitor/motionlab
+status() { "$hand" --interface 127.0.0.1 --timeout 1 status >"$logs/status.log" 2>&1 9>&-; }
 
 # --- run
 
@@ -129,6 +131,7 @@ stop() {
 }
 
 stop_all() {
+  stop engage INT 2
   stop score INT 5
   stop gateway INT 12 # brings arm and winch to rest first
   stop simulator INT 5
@@ -171,7 +174,7 @@ echo "limits of freshness are wider than in a laboratory, because shared virtual
   "deploy/config/shared-vm.toml"
 
 deadline_ns=$(($(now_ns) + healthy_within_s * 1000000000))
-until motionlab --timeout 1 status >"$logs/status.log" 2>&1; do
+until status; do
   check_alive
   if (($(now_ns) > deadline_ns)); then
     cat "$logs/status.log" >&2
@@ -181,22 +184,26 @@ done
 check_alive
 cat "$logs/status.log"
 
+# Nothing to see before the sea begins; but who listens must be there by then.
+while (($(now_ns) < start_ns - 1000000000)); do
+  check_alive
+  sleep 0.1
+done
 score=(--start-ns "$start_ns" --from "$score_from_s" --scenario "$scenario" --seed "$seed")
 [[ -z $seconds ]] || score+=(--seconds "$((10#$seconds))")
 [[ -z $report ]] || score+=(--report "$report")
-start score "$build/gateway/monitor/motionlab" --interface 127.0.0.1 score "${score[@]}" 2>"$logs/score.log"
+start score "$hand" --interface 127.0.0.1 score "${score[@]}" 2>"$logs/score.log"
+start engage "$hand" --interface 127.0.0.1 engage --at-ns $((start_ns + engage_at_s * 1000000000)) >"$logs/engage.log" 2>&1
 
-engage_ns=$((start_ns + engage_at_s * 1000000000))
-engaged=false
 while alive score && ! $interrupted; do
   check_alive
-  if ! $engaged && (($(now_ns) >= engage_ns)); then
-    motionlab engage >"$logs/engage.log" 2>&1 || {
+  if [[ -n ${pid[engage]:-} ]] && ! alive engage; then
+    wait "${pid[engage]}" || {
       $interrupted && break
       cat "$logs/engage.log" >&2
-      fail "the gateway refused to engage (above); wait until it is ready, or see motionlab status"
+      fail "the gateway did not engage (above); clear that up and run it again"
     }
-    engaged=true
+    unset "pid[engage]"
   fi
   sleep 0.1
 done
@@ -216,7 +223,7 @@ if ((score_code != 0)); then
   fail "there is no complete score (above)"
 fi
 $interrupted && [[ -n $seconds ]] && exit 130
-motionlab --timeout 1 status >"$logs/status.log" 2>&1 || true
+status || true
 if ! grep -q '^gateway *engaged' "$logs/status.log"; then
   cat "$logs/status.log" >&2
   fail "the gateway let the load go during the run (above); on a machine that stands still for long, try again"

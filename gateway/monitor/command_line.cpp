@@ -53,6 +53,7 @@ void add_mode_command(CLI::App& app, Chosen& chosen, topic::ModeAction action, c
   if (action == topic::ModeAction::engage) {
     command->add_option("--wait", chosen.mode.wait_ready_s, "first wait so many seconds for ready (0)")
         ->check(CLI::Range(0.0, 3600.0));
+    command->add_option("--at-ns", chosen.mode.at_ns, "ask at this laboratory time, in ns since 1970 (now)");
   }
   command->callback([&chosen, action] {
     chosen.mode.action = action;

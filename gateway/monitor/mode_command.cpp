@@ -34,9 +34,9 @@ class Petition {
     modes_.emplace(session.local.subscribe<Mode>(session.wakeup));
     session.dds.start();
     start_ = session.clock.now();
+    not_before_ = command.at_ns ? std::max(start_, from_ns(*command.at_ns)) : start_;
     request_.requester = requester_name();
     request_.sequence_number = static_cast<std::uint64_t>(to_ns(start_));  // grows from run to run
-    request_.t_created_ns = to_ns(start_);
     request_.action = action_;
   }
 
@@ -51,7 +51,7 @@ class Petition {
       const std::optional<Verdict> verdict = judged(asked);
       if (verdict && (is_final(*verdict, t) || t >= deadline())) return verdict;
       if (!now_ && t >= deadline()) return std::nullopt;
-      session_.wakeup->wait(repeat_);
+      session_.wakeup->wait(t < not_before_ ? std::min(repeat_, not_before_ - t) : repeat_);
     }
     return judged(asked_.has_value());
   }
@@ -61,7 +61,7 @@ class Petition {
  private:
   [[nodiscard]] bool may_ask(LabTime t) const {
     if (action_ == ModeAction::settle) return true;
-    if (!now_) return false;
+    if (!now_ || t < not_before_) return false;
     const bool may_become_ready = now_->state == ModeState::off || now_->state == ModeState::settled;
     return !may_become_ready || t >= start_ + wait_ready_;
   }
@@ -75,6 +75,7 @@ class Petition {
     asked_ = t;
     before_ = now_;
     next_ = t;
+    request_.t_created_ns = to_ns(t);
   }
 
   void ask_again(LabTime t) {
@@ -92,7 +93,7 @@ class Petition {
   }
 
   [[nodiscard]] LabTime deadline() const {
-    return asked_ ? *asked_ + timeout_ : start_ + std::max(timeout_, wait_ready_);
+    return asked_ ? *asked_ + timeout_ : std::max(not_before_ + timeout_, start_ + wait_ready_);
   }
 
   Session& session_;
@@ -102,7 +103,7 @@ class Petition {
   std::optional<bus::Reader<Mode>> mode_;
   std::optional<bus::Subscription<Mode>> modes_;  ///< only for being woken
   topic::ModeRequest request_;
-  LabTime start_{}, next_{};
+  LabTime start_{}, not_before_{}, next_{};
   std::optional<LabTime> asked_;
   std::optional<Mode> before_, now_;
 };

@@ -1,6 +1,9 @@
 /// @file  `motionlab settle|engage|reset`: asks the gateway for a mode and waits until it is so.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "gateway/monitor/session.hpp"
 #include "idl/mode_request.hpp"
 
@@ -8,7 +11,8 @@ namespace motionlab::monitor {
 
 struct ModeCommand {
   topic::ModeAction action = topic::ModeAction::settle;  ///< settle, engage or reset
-  double wait_ready_s = 0;  ///< engage only: how long to wait for `ready` before asking
+  double wait_ready_s = 0;            ///< engage only: how long to wait for `ready` before asking
+  std::optional<std::int64_t> at_ns;  ///< engage only: laboratory time before which is not asked
   bool json = false;
 };
 

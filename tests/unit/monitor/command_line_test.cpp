@@ -314,6 +314,23 @@ TEST_F(CommandLine, WaitsForReadyBeforeItAsksToEngage) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
+TEST_F(CommandLine, EngagesNoEarlierThanItIsTold) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.answer = [](FakeGateway& self, const topic::ModeRequest& request) {
+    if (self.mode().state != ModeState::ready) return;
+    self.mode().owner = request.requester;
+    self.enter(ModeState::engaged);
+  };
+  gateway.start();
+  const std::int64_t at_ns = to_ns(RealClock{}.now() + 2s);
+  const Answer run = motionlab({"engage", "--at-ns", std::to_string(at_ns), "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  gateway.stop();
+  ASSERT_FALSE(gateway.heard().empty());
+  EXPECT_GE(gateway.heard()[0].t_created_ns, at_ns);
+  EXPECT_GE(gateway.mode().t_changed_ns, at_ns);
+}
+
 TEST_F(CommandLine, GivesUpOnAGatewayThatDoesNotReact) {
   FakeGateway gateway{ModeState::ready, "", "engage when you like"};
   gateway.start();
