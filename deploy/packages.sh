@@ -17,6 +17,7 @@ test=(
   cyclonedds-dev cyclonedds-tools # a stranger on the bus
   nodejs/node npm/npm             # a stranger's ADS client
   clang-14 libclang-rt-14-dev     # libFuzzer
+  liborocos-kdl-dev               # other people's kinematics
   clang-format-14 shellcheck
 )
 
