@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 export compiler=$1 made=$2
 
 alone() {
-  echo "#include \"$1\"" | "$compiler" -x c++ -std=c++20 -fsyntax-only -I. -I"$made/plain" -isystem "$made/twins" \
+  echo "#include \"$1\"" | "$compiler" -x c++ -std=c++20 -fsyntax-only -DMOTIONLAB_SOURCE_DIR='"."' -I. -I"$made/plain" -isystem "$made/twins" \
     -isystem /usr/include/eigen3 - || {
     echo "$1 does not compile alone"
     return 1
