@@ -86,22 +86,6 @@ TEST(ModeMachine, SettledBecomesReadyWhenNothingHinders) {
   EXPECT_EQ(b.step(), State::ready);
 }
 
-TEST(ModeMachine, SettledTellsEachNewHindranceOnceUnasked) {
-  Bench b;
-  b.facts.not_ready = kCold;
-  b.step();
-  EXPECT_EQ(b.step(), State::settled);
-  EXPECT_EQ(b.dut.topic().fault_code, kCold.code);
-  const auto told = b.dut.topic().sequence_number;
-  b.step();
-  EXPECT_EQ(b.dut.topic().sequence_number, told);
-  b.facts.not_ready = kStale;
-  b.step();
-  EXPECT_EQ(b.dut.topic().reason, kStale.text);
-  EXPECT_EQ(b.dut.topic().sequence_number, told + 1);
-  EXPECT_FALSE(b.dut.topic().fault_latched);
-}
-
 TEST(ModeMachine, EngagingWhileHinderedIsRefusedWithTheReason) {
   Bench b;
   b.facts.not_ready = kCold;
