@@ -35,7 +35,7 @@ install_all() {
 
 # build PRESET TARGETS…
 build() {
-  cmake --preset "$1" -DMOTIONLAB_TESTS=ON -DMOTIONLAB_WERROR=ON
+  cmake --preset "$1" -DMOTIONLAB_TESTS=ON
   cmake --build "build/$1" -j "$jobs" --target "${@:2}"
 }
 
