@@ -30,6 +30,6 @@ function(motionlab_add_drivers_and_devices)
                       LINKS wire_${DEVICE} idl core)
     file(GLOB SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/simulators/${DEVICE}/${DEVICE}_device*.cpp)
     motionlab_library(device_${DEVICE} LAYER 5 DIRECTORY simulators/${DEVICE} SOURCES ${SOURCES}
-                      LINKS wire_${DEVICE} core)
+                      LINKS wire_${DEVICE} faults core)
   endforeach()
 endfunction()
