@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "gateway/math/integrate.hpp"
 #include "gateway/math/pendulum.hpp"
-#include "gateway/math/riccati.hpp"
 
 namespace motionlab::estimator {
 namespace {
@@ -38,14 +38,6 @@ ThesisKf4::ThesisKf4(const ThesisFilter4Config& config, const State& start, Thes
   Q_ = config.process_variance.asDiagonal();
   state_.x = start;
   state_.P = config.initial_variance * Matrix4d::Identity();
-  if (form == ThesisKf4Form::continuous) {
-    const Eigen::Matrix<double, 2, 4> C = measurement_matrix();
-    // The filter's Riccati equation is the regulator's of the transposed system. Q gives x no noise of its
-    // own, but x' has some, so a stabilising solution exists.
-    const Eigen::MatrixXd R = config.measurement_variance.asDiagonal();
-    state_.P = math::solve_care(A_.transpose(), C.transpose(), Q_, R);
-    stationary_gain_ = state_.P * C.transpose() * config.measurement_variance.cwiseInverse().asDiagonal();
-  }
 }
 
 void ThesisKf4::update(const Measurement& measured) {
@@ -57,12 +49,28 @@ void ThesisKf4::update(const Measurement& measured) {
 }
 
 void ThesisKf4::predict(double acceleration) {
-  if (form_ == ThesisKf4Form::continuous) {
-    const Vector4d correction = stationary_gain_ * (measured_ - measurement_matrix() * state_.x);
-    state_.x += config_.period_s * (A_ * state_.x + B_ * acceleration + correction);
-  } else {
-    math::predict<4>(state_, F_, config_.period_s * acceleration * B_, Q_);
+  if (form_ == ThesisKf4Form::discrete) {
+    return math::predict<4>(state_, F_, config_.period_s * acceleration * B_, Q_);
   }
+  // x' = A x + B u + K (y − C x) and P' = A P + P Aᵀ + Q − K R Kᵀ with K = P Cᵀ R⁻¹, side by side.
+  using Both = Eigen::Matrix<double, 4, 5>;
+  const Eigen::Matrix<double, 2, 4> C = measurement_matrix();
+  const Eigen::Matrix<double, 4, 2> by_R =
+      C.transpose() * config_.measurement_variance.cwiseInverse().asDiagonal();
+  const auto rate = [&](double, const Both& both) {
+    const Matrix4d P = both.rightCols<4>();
+    const Vector4d x = both.col(0);
+    const Eigen::Matrix<double, 4, 2> K = P * by_R;
+    Both d;
+    d.col(0) = A_ * x + B_ * acceleration + K * (measured_ - C * x);
+    d.rightCols<4>() = A_ * P + P * A_.transpose() + Q_ - K * C * P;
+    return d;
+  };
+  Both both;
+  both << state_.x, state_.P;
+  both = math::rk4_step(rate, 0.0, both, config_.period_s);
+  state_.x = both.col(0);
+  state_.P = both.rightCols<4>();
 }
 
 ThesisEkf4::ThesisEkf4(const ThesisFilter4Config& config, const State& start) : config_(config) {

@@ -25,7 +25,7 @@ struct ThesisFilter4Config {
 /// the same discrete numbers both filters estimate the angle alike.
 enum class ThesisKf4Form {
   discrete,    ///< per period, like the extended filter: the fair comparison, and the default
-  continuous,  ///< spectral densities with the stationary gain, as in the thesis' figures
+  continuous,  ///< spectral densities (Kalman–Bucy), as in the thesis' figures
 };
 
 /// State (x, x', theta, theta') of a pendulum of which x [m] and theta [rad] are measured every period; the
@@ -55,7 +55,6 @@ class ThesisKf4 {
   ThesisKf4Form form_;
   Eigen::Matrix4d A_, F_, Q_;
   Eigen::Vector4d B_;
-  Eigen::Matrix<double, 4, 2> stationary_gain_ = Eigen::Matrix<double, 4, 2>::Zero();
   Measurement measured_ = Measurement::Zero();
   math::KalmanState<4> state_;
 };

@@ -141,10 +141,14 @@ monitor::Report report(const Run& run) {
     collector.take(s);
     wire_speed = std::max(wire_speed, std::abs(s.wire_speed_mps));
   });
-  Run alone = run;
-  alone.controller = Controller::none;
-  alone.estimator = Estimator::ideal;
-  simulate(alone, [&twin](const Sample& s) { twin.take(s); });
+  const bool arm = run.scenario->system != System::pendulum;
+  if (arm) {  // a pendulum that nobody moves stands still: nothing to compare with
+    Run alone = run;
+    alone.controller = Controller::none;
+    alone.estimator = Estimator::ideal;
+    alone.noise = false;
+    simulate(alone, [&twin](const Sample& s) { twin.take(s); });
+  }
 
   monitor::Report report;
   report.labels.scenario = run.scenario->name;
@@ -160,8 +164,8 @@ monitor::Report report(const Run& run) {
   report.settling_time_s = own.settling.time_s(LabTime{});
   report.baseline = twin.motion.score();
   report.baseline_settling_time_s = twin.settling.time_s(LabTime{});
-  report.winch_speed_max_mps = wire_speed;
-  if (run.scenario->system != System::pendulum) {
+  if (arm) {
+    report.winch_speed_max_mps = wire_speed;
     const auto speed = collector.metrics().joint_speed_max_degps;
     report.joint_speed_max_degps = {speed[0], speed[1], speed[2], 0, 0, 0};
   }

@@ -191,8 +191,10 @@ Run choose(const Request& request) {
     std::string names;
     for (const Scenario& scenario : kScenarios)
       names += (names.empty() ? "" : ", ") + std::string(scenario.name);
-    throw StartupError("--scenario " + request.scenario +
-                       " is not one of world thesis; choose one of: " + names);
+    throw StartupError((request.scenario.empty()
+                            ? "--world thesis needs a --scenario"
+                            : "--scenario " + request.scenario + " is not one of --world thesis") +
+                       std::string("; choose one of: ") + names);
   }
   const System system = run.scenario->system;
   const auto any = [](auto) { return true; };

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/math/arms.hpp"
+#include "tests/unit/math/golden.hpp"
+
 namespace motionlab::math {
 namespace {
 
@@ -35,6 +38,111 @@ TEST(CraneArm, InverseUndoesPositionInTheWholeBox) {
 TEST(CraneArm, RefusesAPointOutOfReach) {
   EXPECT_FALSE(dut.inverse({4.0, 0.0, 1.0}));
   EXPECT_FALSE(dut.inverse({0.36, 0.0, 0.85}));
+}
+
+/// The same angles but for whole turns.
+Vector3d turned(Vector3d q, const Vector3d& towards) {
+  for (int i = 0; i < 3; ++i) q[i] -= 2 * kPi * std::round((q[i] - towards[i]) / (2 * kPi));
+  return q;
+}
+
+TEST(CraneArm, GivesTheGoldenVectors) {
+  for (const auto& golden : test::golden("thesis_arm.json").at("vectors")) {
+    const Vector3d q = test::fixed<3>(golden.at("q")), qd = test::fixed<3>(golden.at("qd"));
+    EXPECT_LT(test::deviation(dut.position(q), test::matrix(golden.at("P"))), 1e-10);
+    EXPECT_LT(test::deviation(dut.jacobian(q), test::matrix(golden.at("J"))), 1e-10);
+    EXPECT_LT(test::deviation(dut.jacobian_dot(q, qd), test::matrix(golden.at("Jdot"))), 1e-10);
+    EXPECT_LT(test::deviation(dut.acceleration(q, qd, test::fixed<3>(golden.at("qdd"))),
+                              test::matrix(golden.at("P_tt"))),
+              1e-10);
+    const auto all = dut.inverse(dut.position(q), test::strokes());
+    ASSERT_EQ(all.reach, Reach::reached);
+    const Vector3d up = test::fixed<3>(golden.at("ik_elbow_up(sign -1)"));
+    const Vector3d down = test::fixed<3>(golden.at("ik_elbow_down(sign +1)"));
+    EXPECT_LT(test::deviation(turned(all.elbow_up->q, up), up), 1e-10);
+    EXPECT_LT(test::deviation(turned(all.elbow_down->q, down), down), 1e-10);
+    EXPECT_LT((dut.position(all.elbow_up->q) - dut.position(q)).norm(), 1e-12);
+    EXPECT_LT((dut.position(all.elbow_down->q) - dut.position(q)).norm(), 1e-12);
+    const auto plain = dut.inverse(dut.position(q));
+    ASSERT_TRUE(plain);
+    EXPECT_LT((turned(*plain, up) - up).norm(), 1e-10);
+  }
+}
+
+TEST(CraneArm, GivesTheTablesOfTheThesisForBothForearms) {
+  const auto tables = test::golden("thesis_arm.json").at("tables");
+  const Vector3d home(0, 0, -kPi / 2);
+  EXPECT_LT((test::crane_arm(1.492).position(home) -
+             test::fixed<3>(tables.at("4.1/4.3 home").at("Tab3.1 L=2.2690")))
+                .norm(),
+            1e-12);
+  EXPECT_LT((test::crane_arm().position(home) - test::fixed<3>(tables.at("4.1/4.3 home").at("code L=2.2692")))
+                .norm(),
+            1e-12);
+  // Tab 4.2 prints no joint angles beside its point: the arm must stand there and come back.
+  for (const auto& [name, d4] : {std::pair("Tab3.1 L=2.2690", 1.492), std::pair("code L=2.2692", 1.4922)}) {
+    const Vector3d p = test::fixed<3>(tables.at("4.2 offset").at(name));
+    const auto q = test::crane_arm(d4).inverse(p, test::strokes()).best();
+    ASSERT_TRUE(q);
+    EXPECT_LT((test::crane_arm(d4).position(*q) - p).norm(), 1e-12);
+  }
+}
+
+TEST(CraneArm, HomeIsElbowUpAndItsOtherBranchLeavesTheStroke) {
+  const Vector3d home(0, 0, -kPi / 2);
+  const auto all = dut.inverse(dut.position(home), test::strokes());
+  ASSERT_EQ(all.reach, Reach::reached);
+  EXPECT_LT((all.elbow_up->q - home).norm(), 1e-12);
+  EXPECT_TRUE(all.elbow_up->within_limits);
+  EXPECT_NEAR(all.elbow_down->q[1] * 180 / kPi, 116.3, 0.05);
+  EXPECT_NEAR(all.elbow_down->q[2] * 180 / kPi, -38.9, 0.05);
+  EXPECT_FALSE(all.elbow_down->within_limits);
+  EXPECT_NEAR(all.shoulder_distance_m, 2.672, 5e-4);
+  EXPECT_NEAR(all.nearest_m, 1.123, 5e-4);
+  EXPECT_NEAR(all.farthest_m, 3.443, 5e-4);
+  EXPECT_LT((*all.best() - home).norm(), 1e-12);
+}
+
+TEST(CraneArm, TakesTheElbowDownWhereOnlyThatIsWithinLimits) {
+  const Vector3d q(0, 1.0, -0.3);
+  const auto limits = JointLimits<3>{Vector3d(-1, 0.8, -0.5), Vector3d(1, 1.2, -0.1)};
+  const auto all = dut.inverse(dut.position(q), limits);
+  ASSERT_EQ(all.reach, Reach::reached);
+  EXPECT_FALSE(all.elbow_up->within_limits);
+  ASSERT_TRUE(all.best());
+  EXPECT_LT((*all.best() - q).norm(), 1e-10);
+}
+
+TEST(CraneArm, TurnsTheForearmIntoItsStrokeByWholeTurns) {
+  // −200° lies in the stroke of joint 3; the same posture as +160° does not.
+  const Vector3d q(0.1, 0.9, -200 * kPi / 180);
+  const auto all = dut.inverse(dut.position(q), test::strokes());
+  ASSERT_EQ(all.reach, Reach::reached);
+  const bool up = (all.elbow_up->q - q).norm() < 1e-10, down = (all.elbow_down->q - q).norm() < 1e-10;
+  EXPECT_TRUE(up || down);
+  EXPECT_TRUE(all.best());
+}
+
+TEST(CraneArm, SaysWhyAPointIsOutOfReach) {
+  EXPECT_EQ(dut.inverse({4.0, 0.0, 1.0}, test::strokes()).reach, Reach::too_far);
+  EXPECT_EQ(dut.inverse({0.36, 0.0, 0.85}, test::strokes()).reach, Reach::too_near);
+  EXPECT_EQ(dut.inverse({0.0, 0.0, 3.0}, test::strokes()).reach, Reach::too_near);
+  EXPECT_EQ(dut.inverse(Vector3d::Constant(std::nan("")), test::strokes()).reach, Reach::too_far);
+  EXPECT_FALSE(dut.inverse({4.0, 0.0, 1.0}, test::strokes()).best());
+  EXPECT_FALSE(dut.inverse(Vector3d::Constant(std::nan(""))));
+}
+
+TEST(CraneArm, IsTheThreeAxisSerialChain) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto chain = test::three_axis_arm();
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d q(uniform(random), uniform(random), -kPi / 2 + uniform(random));
+    const Vector3d qd(uniform(random), uniform(random), uniform(random));
+    EXPECT_LT((dut.position(q) - chain.tool(q).p).norm(), 1e-14);
+    EXPECT_LT((dut.jacobian(q) - chain.jacobian(q).topRows<3>()).norm(), 1e-13);
+    EXPECT_LT((dut.jacobian_dot(q, qd) - chain.jacobian_dot(q, qd).topRows<3>()).norm(), 1e-13);
+  }
 }
 
 TEST(CraneArm, JacobiansAreTheDerivatives) {
