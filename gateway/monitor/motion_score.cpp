@@ -59,6 +59,7 @@ std::optional<MotionScore> MotionStatistics::score() const {
   }
   score.load_error_rms_norm_m = std::sqrt((load_squares_[0] + load_squares_[1] + load_squares_[2]) / n);
   score.load_error_max_m = load_error_max_m_;
+  score.tool_error_rms_norm_m = std::sqrt((tool_squares_[0] + tool_squares_[1] + tool_squares_[2]) / n);
   score.heave_residual_rms_m = std::sqrt(height_squares_ / n);
   return score;
 }

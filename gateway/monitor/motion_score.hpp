@@ -39,6 +39,7 @@ struct MotionScore {
   double load_error_rms_norm_m = 0;
   double load_error_max_m = 0;
   std::array<double, 3> tool_error_rms_m{};
+  double tool_error_rms_norm_m = 0;
   double heave_residual_rms_m = 0;  ///< load height about its own mean: what is left of the ship's heave
 };
 

@@ -35,6 +35,7 @@ void add_motion(const std::optional<MotionScore>& motion, Add&& add) {
   field("load_error_rms_norm_m", &MotionScore::load_error_rms_norm_m);
   field("load_error_max_m", &MotionScore::load_error_max_m);
   field("tool_error_rms_m", &MotionScore::tool_error_rms_m);
+  field("tool_error_rms_norm_m", &MotionScore::tool_error_rms_norm_m);
 }
 
 Json baseline(const Report& report) {

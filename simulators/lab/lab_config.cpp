@@ -1,9 +1,12 @@
 #include "simulators/lab/lab_config.hpp"
 
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <sstream>
 
 #include "drivers/core/error.hpp"
+#include "simulators/lab/motion_csv.hpp"
 
 namespace motionlab::lab {
 
@@ -118,6 +121,16 @@ void read_load(const TomlTable& t, const plant::WorldConfig& w, plant::LoadConfi
   read_number(t, "tilt_damping_ratio", c.tilt_damping_ratio, {0, 2});
 }
 
+void read_sea(const TomlTable& t, LabConfig::SeaWish& c) {
+  if (t.has("significant_height_m")) c.significant_height_m = t.number("significant_height_m", {0, 20});
+  if (t.has("peak_period_s")) c.peak_period_s = t.number("peak_period_s", {1, 100});
+  if (t.has("peak_enhancement")) c.peak_enhancement = t.number("peak_enhancement", {1, 10});
+  plant::WaveDirection direction;
+  read_degrees(t, "mean_direction_deg", direction.mean_rad, {-360, 360});
+  read_degrees(t, "spreading_deg", direction.spreading_rad, {0, 180});
+  if (t.boolean_or("directional", false)) c.direction = direction;
+}
+
 void read_mru(const TomlTable& t, plant::MruConfig& c) {
   read_number(t, "period_s", c.period_s, {0.001, 1});
   read_number(t, "output_latency_s", c.output_latency_s, {0, 1});
@@ -212,6 +225,7 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   LabConfig c;
   read_differences(root.table_or_empty("differences"), c.world.differences);
   read_calibration(root.table_or_empty("calibration"), c.world.calibration);
+  read_sea(root.table_or_empty("sea"), c.sea);
   read_arm(root.table_or_empty("arm"), c.world);
   read_winch(root.table_or_empty("winch"), c.world);
   read_load(root.table_or_empty("load"), c.world, c.world.load);
@@ -237,12 +251,51 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
 }
 
 void LabConfig::set_scenario(std::string_view name) {
+  if (constexpr std::string_view kCsv = "csv:"; name.starts_with(kCsv)) {
+    scenario = {.sea = plant::Sea::recorded};
+    scenario.recording = std::make_shared<plant::RecordedMotion>(
+        read_motion_csv(std::filesystem::path(name.substr(kCsv.size()))));
+    return;
+  }
   const auto found = plant::scenario_named(name);
   if (!found) {
     throw StartupError("there is no scenario \"" + std::string(name) +
-                       "\"; choose thesis-wave, sea, pierson-moskowitz or calm");
+                       "\"; choose thesis-wave, sea, pierson-moskowitz, calm or csv:FILE");
   }
   scenario = *found;
+  scenario.significant_height_m = sea.significant_height_m.value_or(scenario.significant_height_m);
+  scenario.peak_period_s = sea.peak_period_s.value_or(scenario.peak_period_s);
+  scenario.peak_enhancement = sea.peak_enhancement.value_or(scenario.peak_enhancement);
+  scenario.direction = sea.direction;
+}
+
+void LabConfig::refuse_beyond(const plant::PlatformLimits& limits, double seconds) const {
+  const auto found = plant::excess(plant::ShipMotion(scenario, seed), limits, seconds);
+  if (!found) return;
+  std::string advice;
+  const auto rounded_down = [](double value) {
+    std::ostringstream text;
+    text << std::floor(1000 * value) / 1000;
+    return text.str();
+  };
+  switch (scenario.sea) {
+    case plant::Sea::jonswap:
+    case plant::Sea::pierson_moskowitz:
+      advice = "with seed " + std::to_string(seed) + " and Tp " + rounded_down(scenario.peak_period_s) +
+               " s the largest Hs that fits is " +
+               rounded_down(scenario.significant_height_m * found->share_that_fits) +
+               " m; write it as significant_height_m in [sea] of world.toml";
+      break;
+    case plant::Sea::recorded:
+      advice = "the largest share of the recording that fits is " + rounded_down(found->share_that_fits) +
+               "; scale its six columns by it";
+      break;
+    default:
+      advice = "the largest share that fits is " + rounded_down(found->share_that_fits) +
+               "; choose another scenario or --limits mechanical";
+  }
+  throw StartupError("the sea is too much for the platform: " + plant::describe(*found, limits) + "; " +
+                     advice);
 }
 
 }  // namespace motionlab::lab

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "drivers/core/toml_reader.hpp"
 #include "simulators/comau/comau_device.hpp"
 #include "simulators/mru/mru_device.hpp"
+#include "simulators/plant/platform_limits.hpp"
 #include "simulators/plant/sea.hpp"
 #include "simulators/plant/world_config.hpp"
 #include "simulators/qualisys/qualisys_device.hpp"
@@ -24,6 +26,8 @@ inline constexpr std::string_view kMru2 = "mru2";
 inline constexpr std::string_view kQualisys = "qualisys";
 inline constexpr std::string_view kArm = "arm";
 inline constexpr std::string_view kWinch = "winch";
+/// In their place where a fault belongs to no device.
+inline constexpr std::string_view kWorld = "world";
 
 /// Names of the rigid bodies in the camera system.
 inline constexpr std::string_view kLoadBody = "load";
@@ -35,6 +39,13 @@ struct LabConfig {
   plant::WorldConfig world;
   plant::Scenario scenario;
   std::uint64_t seed = 1;
+
+  /// How a random sea shall differ from the one that its name stands for.
+  struct SeaWish {
+    std::optional<double> significant_height_m, peak_period_s, peak_enhancement;
+    std::optional<plant::WaveDirection> direction;
+  };
+  SeaWish sea;
 
   /// One simulated unit: where its datagrams come from, and the rest. Period and latency come from the world.
   struct Mru {
@@ -58,8 +69,12 @@ struct LabConfig {
                         const std::vector<std::filesystem::path>& overlays = {},
                         const std::vector<TomlText>& texts = {});
 
-  /// @throws StartupError that lists the names
+  /// A scenario by name, a random sea as `sea` wishes it; or `csv:FILE`, a recording (see read_motion_csv).
+  /// @throws StartupError that lists the names, or says what is wrong in the file
   void set_scenario(std::string_view name);
+  /// @throws StartupError when the ship's motion of the next `seconds` is more than the platform can do:
+  /// which limit is exceeded by how much, and what would fit
+  void refuse_beyond(const plant::PlatformLimits& limits, double seconds) const;
   void set_platform_tracked(bool tracked) { world.camera.platform_tracked = tracked; }
   void use_perfect_sensors() { world = world.with_perfect_sensors(); }
   void use_belief_as_world() { world = world.as_believed(); }

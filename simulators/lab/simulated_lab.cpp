@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "simulators/lab/gust.hpp"
+
 namespace motionlab::lab {
 
 namespace {
@@ -178,6 +180,7 @@ struct SimulatedLab::Impl {
   }
 
   plant::World world;
+  Gust gust;
   plant::MruSensor mru1_sensor, mru2_sensor;
   plant::CameraSensor camera_sensor;
   plant::JointEncoders encoders;
@@ -251,7 +254,12 @@ Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, 
   if (device == kQualisys) return impl_->qualisys.set_fault(fault, active, value);
   if (device == kArm) return impl_->arm.set_fault(fault, active, value);
   if (device == kWinch) return impl_->winch.set_fault(fault, active, value);
-  return Fault{Reason::refused, "no such device; there are mru1, mru2, qualisys, arm and winch"};
+  if (device == kWorld) {
+    const Status done = impl_->gust.set(fault, active, value);
+    impl_->world.set_push(impl_->gust.force_n());
+    return done;
+  }
+  return Fault{Reason::refused, "no such device; there are mru1, mru2, qualisys, arm, winch and world"};
 }
 
 }  // namespace motionlab::lab

@@ -41,7 +41,7 @@ class SimulatedLab {
   [[nodiscard]] const plant::World& world() const;
 
   /// Begins or ends a fault of a device (`mru1`, `mru2`, `qualisys`, `arm`, `winch`) by the device's own name
-  /// of it.
+  /// of it, or of the `world` itself (see Gust).
   /// @returns refused, with the names that there are
   Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
 

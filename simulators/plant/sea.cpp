@@ -31,6 +31,14 @@ Fade fade(double t, double duration) {
           60 * x * (1 + x * (-3 + 2 * x)) / (duration * duration)};
 }
 
+ShipCoordinates faded(const ShipCoordinates& s, const Fade& f) {
+  return {f.f * s.eta, f.f_dot * s.eta + f.f * s.eta_dot,
+          f.f_ddot * s.eta + 2 * f.f_dot * s.eta_dot + f.f * s.eta_ddot};
+}
+
+constexpr double kSurgePerHeave = 0.6, kSwayPerHeave = 0.6;
+constexpr double kRollPerHeave = 18 * kDegree, kPitchPerHeave = 15 * kDegree, kYawPerHeave = 8 * kDegree;
+
 }  // namespace
 
 std::optional<Scenario> scenario_named(std::string_view name) {
@@ -46,6 +54,7 @@ std::optional<Scenario> scenario_named(std::string_view name) {
   }
   if (name == "pierson-moskowitz") {
     s.sea = Sea::pierson_moskowitz;
+    s.significant_height_m = 0.4;
     return s;
   }
   return std::nullopt;
@@ -66,7 +75,9 @@ double jonswap(double w, double hs, double tp, double gamma) {
          std::pow(gamma, std::exp(-0.5 * x * x));
 }
 
-ShipMotion::ShipMotion(const Scenario& scenario, std::uint64_t seed) : fade_in_s_(scenario.fade_in_s) {
+ShipMotion::ShipMotion(const Scenario& scenario, std::uint64_t seed)
+    : fade_in_s_(scenario.fade_in_s),
+      recording_(scenario.sea == Sea::recorded ? scenario.recording : nullptr) {
   if (scenario.sea == Sea::thesis_wave) add_thesis_wave();
   if (scenario.sea == Sea::jonswap || scenario.sea == Sea::pierson_moskowitz) add_random_sea(scenario, seed);
 }
@@ -94,6 +105,19 @@ void ShipMotion::add_thesis_wave() {
   }
 }
 
+/// A wave of heave amplitude a that runs to chi and whose crest passes the ship at the phase −epsilon. Heave
+/// counts down; a slope that rises to the bow lifts it, one that rises to starboard rolls to port.
+void ShipMotion::add_wave(Harmonic& h, double a, double epsilon, double chi) {
+  const double cos_chi = std::cos(chi), sin_chi = std::sin(chi);
+  Vector6d with_crest, after_crest;
+  with_crest << 0, 0, -1, 0, 0, kYawPerHeave * std::sin(2 * chi);
+  after_crest << kSurgePerHeave * cos_chi, kSwayPerHeave * sin_chi, 0, -kRollPerHeave * sin_chi,
+      kPitchPerHeave * cos_chi, 0;
+  // with_crest cos(wt + epsilon) + after_crest sin(wt + epsilon)
+  h.sine = a * (std::cos(epsilon) * after_crest - std::sin(epsilon) * with_crest);
+  h.cosine = a * (std::sin(epsilon) * after_crest + std::cos(epsilon) * with_crest);
+}
+
 void ShipMotion::add_random_sea(const Scenario& scenario, std::uint64_t seed) {
   Random random(seed, "sea");
   const double wp = 2 * kPi / scenario.peak_period_s;
@@ -107,7 +131,7 @@ void ShipMotion::add_random_sea(const Scenario& scenario, std::uint64_t seed) {
   }
   const double amplitude = std::sqrt(2 * energy.back() / kBins);
   Vector6d ratio;
-  ratio << 0.6, 0.6, 1.0, 18 * kDegree, 15 * kDegree, 8 * kDegree;
+  ratio << kSurgePerHeave, kSwayPerHeave, 1.0, kRollPerHeave, kPitchPerHeave, kYawPerHeave;
   std::size_t cell = 0;
   double bin_begin = low;
   for (int bin = 1; bin <= kBins; ++bin) {
@@ -116,19 +140,24 @@ void ShipMotion::add_random_sea(const Scenario& scenario, std::uint64_t seed) {
     const double inside = (level - energy[cell]) / (energy[cell + 1] - energy[cell]);
     const double bin_end = low + (static_cast<double>(cell) + inside) * dw;
     Harmonic h{bin_begin + (bin_end - bin_begin) * random.uniform(), Vector6d::Zero(), Vector6d::Zero()};
-    for (int c = 0; c < 6; ++c) {
-      const double phase = 2 * kPi * random.uniform();
-      h.sine[c] = amplitude * ratio[c] * std::cos(phase);
-      h.cosine[c] = amplitude * ratio[c] * std::sin(phase);
+    if (scenario.direction) {
+      add_wave(h, amplitude, 2 * kPi * random.uniform(),
+               scenario.direction->mean_rad + scenario.direction->spreading_rad * random.normal());
+    } else {
+      for (int c = 0; c < 6; ++c) {
+        const double phase = 2 * kPi * random.uniform();
+        h.sine[c] = amplitude * ratio[c] * std::cos(phase);
+        h.cosine[c] = amplitude * ratio[c] * std::sin(phase);
+      }
     }
     harmonics_.push_back(h);
     bin_begin = bin_end;
   }
 }
 
-ShipCoordinates ShipMotion::at(double t) const {
+ShipCoordinates ShipMotion::sum_at(double t) const {
+  if (recording_) return recording_->at(t);
   ShipCoordinates sum;
-  if (t < 0) return sum;
   for (const Harmonic& h : harmonics_) {
     const double s = std::sin(h.omega_radps * t), c = std::cos(h.omega_radps * t);
     const Vector6d value = s * h.sine + c * h.cosine;
@@ -136,10 +165,20 @@ ShipCoordinates ShipMotion::at(double t) const {
     sum.eta_dot += h.omega_radps * (c * h.sine - s * h.cosine);
     sum.eta_ddot -= h.omega_radps * h.omega_radps * value;
   }
-  if (t >= fade_in_s_) return sum;
-  const Fade f = fade(t, fade_in_s_);
-  return {f.f * sum.eta, f.f_dot * sum.eta + f.f * sum.eta_dot,
-          f.f_ddot * sum.eta + 2 * f.f_dot * sum.eta_dot + f.f * sum.eta_ddot};
+  return sum;
+}
+
+ShipCoordinates ShipMotion::at(double t) const {
+  if (t < 0) return {};
+  if (recording_ && t >= recording_->duration_s()) return {};
+  ShipCoordinates ship = sum_at(t);
+  if (t < fade_in_s_) ship = faded(ship, fade(t, fade_in_s_));
+  if (recording_ && t > recording_->duration_s() - fade_in_s_) {
+    Fade out = fade(recording_->duration_s() - t, fade_in_s_);
+    out.f_dot = -out.f_dot;
+    ship = faded(ship, out);
+  }
+  return ship;
 }
 
 CachedShipMotion::CachedShipMotion(const Scenario& scenario, std::uint64_t seed) : motion_(scenario, seed) {

@@ -1,29 +1,40 @@
-/// @file  How the ship moves: regular waves, random seas, calm.
+/// @file  How the ship moves: regular waves, random seas, recordings, calm.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
 
+#include "simulators/plant/recorded_motion.hpp"
+
 namespace motionlab::plant {
 
-enum class Sea { calm, thesis_wave, pierson_moskowitz, jonswap };
+enum class Sea { calm, thesis_wave, pierson_moskowitz, jonswap, recorded };
+
+/// Where the waves of a random sea run, seen from above in N: 0 towards the bow (x), 90° to starboard (y).
+struct WaveDirection {
+  double mean_rad = 0.0;
+  double spreading_rad = 0.436332313;  ///< standard deviation of the single waves about the mean: 25°
+};
 
 /// What the ship does in a run.
 struct Scenario {
   Sea sea = Sea::thesis_wave;
-  double significant_height_m = 0.5;  ///< of heave; random seas only
-  double peak_period_s = 7.0;         ///< random seas only
-  double peak_enhancement = 3.3;      ///< JONSWAP gamma
-  double delay_s = 0.0;               ///< the ship stands still for so long first
-  double fade_in_s = 5.0;             ///< the motion grows from nothing over this time; 0: at once
+  double significant_height_m = 0.5;                  ///< of heave; random seas only
+  double peak_period_s = 7.0;                         ///< random seas only
+  double peak_enhancement = 3.3;                      ///< JONSWAP gamma
+  std::optional<WaveDirection> direction{};           ///< random seas; nothing: no coordinate knows another
+  std::shared_ptr<const RecordedMotion> recording{};  ///< `Sea::recorded` only
+  double delay_s = 0.0;                               ///< the ship stands still for so long first
+  double fade_in_s = 5.0;  ///< the motion grows from nothing over this time; 0: at once
 };
 
-/// `thesis-wave`, `sea` (JONSWAP, Hs 0.5 m, Tp 7 s), `pierson-moskowitz` (the same Hs and Tp), `calm`;
-/// nothing for other names.
+/// `thesis-wave`, `sea` (JONSWAP, Hs 0.5 m, Tp 7 s), `pierson-moskowitz` (Hs 0.4 m, Tp 7 s: of 0.5 m the
+/// short waves accelerate EM8000 too much), `calm`; nothing for other names.
 [[nodiscard]] std::optional<Scenario> scenario_named(std::string_view name);
 
 /// Wave spectrum S(w) of heave in m² s. Source: thesis Sec 6.3; one-sided, its integral is Hs²/16.
@@ -31,23 +42,18 @@ struct Scenario {
 [[nodiscard]] double jonswap(double omega_radps, double significant_height_m, double peak_period_s,
                              double gamma);
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
-/// Ship coordinates and their exact time derivatives: surge, sway, heave in m along the axes of N (z down),
-/// then roll, pitch, yaw in rad with R_NB = Rz(yaw) Ry(pitch) Rx(roll).
-struct ShipCoordinates {
-  Vector6d eta = Vector6d::Zero();
-  Vector6d eta_dot = Vector6d::Zero();
-  Vector6d eta_ddot = Vector6d::Zero();
-};
-
-/// The ship's motion as a sum of harmonics, a pure function of time.
+/// The ship's motion, a pure function of time: a sum of harmonics or a recording.
 ///
 /// A random sea has 40 bins of equal energy between 0.25 and 3 times the peak frequency; in each a frequency
-/// is drawn from the seed, and for each coordinate a phase. Heave has the stated spectrum; the other
-/// coordinates have its shape and, for each metre of heave's standard deviation, 0.6 m (surge, sway), 18°
-/// (roll), 15° (pitch), 8° (yaw). The fade-in is a quintic ramp (two continuous derivatives), differentiated
-/// with the rest.
+/// is drawn from the seed. Heave has the stated spectrum. The other coordinates have its shape and, for each
+/// metre of heave's standard deviation, at most 0.6 m (surge, sway), 18° (roll), 15° (pitch), 8° (yaw):
+///  - without a direction each coordinate has exactly these and phases of its own;
+///  - with one, each bin is a long wave that runs to chi, drawn about the mean, and the ship goes with the
+///    water: surge 0.6 cos chi and sway 0.6 sin chi a quarter period after the crest, pitch 15° cos chi and
+///    roll −18° sin chi with the slope, yaw 8° sin 2 chi with the crest.
+///
+/// The fade-in is a quintic ramp (two continuous derivatives), differentiated with the rest; a recording
+/// fades out likewise before it ends, and then the ship stands at neutral.
 class ShipMotion {
  public:
   ShipMotion(const Scenario& scenario, std::uint64_t seed);
@@ -64,9 +70,12 @@ class ShipMotion {
   };
 
   void add_thesis_wave();
+  static void add_wave(Harmonic& harmonic, double amplitude, double phase, double direction);
   void add_random_sea(const Scenario& scenario, std::uint64_t seed);
+  [[nodiscard]] ShipCoordinates sum_at(double t_s) const;
 
   double fade_in_s_;
+  std::shared_ptr<const RecordedMotion> recording_;
   std::vector<Harmonic> harmonics_;
 };
 

@@ -20,6 +20,7 @@
 #include "gateway/bus/local_bus.hpp"
 #include "simulators/lab/fault_plan.hpp"
 #include "simulators/lab/lab_config.hpp"
+#include "simulators/lab/settings.hpp"
 #include "simulators/lab/simulated_lab.hpp"
 
 namespace {
@@ -29,6 +30,8 @@ using namespace motionlab;
 constexpr auto kService = std::chrono::microseconds{500};
 constexpr Nanoseconds kTruthPeriod = 5ms;
 constexpr Nanoseconds kDisciplinePeriod = 1s;
+/// So far ahead a sea without an end is checked against the platform's limits.
+constexpr double kLookAhead_s = 600;
 
 struct Options {
   std::string config = "deploy/config/world.toml";
@@ -37,6 +40,8 @@ struct Options {
   std::string platform = "tracked";
   std::string sensors = "real";
   std::string differences = "on";
+  std::string limits = "mechanical";
+  std::vector<std::string> settings;
   std::uint64_t seed = 1;
   double seconds = 0;
   std::int64_t start_at_ns = 0;
@@ -49,12 +54,16 @@ std::vector<std::filesystem::path> paths(const std::vector<std::string>& texts) 
 }
 
 lab::LabConfig configure(const Options& options, LabTime now) {
-  lab::LabConfig config = lab::LabConfig::load(options.config, paths(options.overlays));
+  const auto settings = lab::Settings::parse(options.settings);
+  lab::LabConfig config = lab::LabConfig::load(options.config, paths(options.overlays), settings.world);
   config.set_scenario(options.scenario);
   if (options.start_at_ns > 0) {
     config.scenario.delay_s = std::max(0.0, seconds(from_ns(options.start_at_ns) - now));
   }
   config.seed = options.seed;
+  config.refuse_beyond(
+      options.limits == "plc" ? plant::PlatformLimits::plc() : plant::PlatformLimits::mechanical(),
+      options.seconds > 0 ? options.seconds : kLookAhead_s);
   config.set_platform_tracked(options.platform == "tracked");
   if (options.differences == "off") config.use_belief_as_world();
   if (options.sensors == "ideal") config.use_perfect_sensors();
@@ -219,7 +228,7 @@ int main(int argc, char** argv) {
       "The simulated Motion-Lab: two MRUs, cameras, crane arm and winch on real sockets, in real time."};
   app.add_option("--config", options.config, "the world")->capture_default_str();
   app.add_option("--overlay", options.overlays, "files laid over it, in order");
-  app.add_option("--scenario", options.scenario, "thesis-wave, sea, pierson-moskowitz or calm")
+  app.add_option("--scenario", options.scenario, "thesis-wave, sea, pierson-moskowitz, calm or csv:FILE")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "of everything random")->capture_default_str();
   app.add_option("--seconds", options.seconds, "run the scenario so long; 0: until a signal")
@@ -235,6 +244,11 @@ int main(int argc, char** argv) {
   app.add_option("--differences", options.differences, "off: the world is what the gateway believes")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  app.add_option("--limits", options.limits, "of the platform, which the sea has to keep")
+      ->check(CLI::IsMember({"mechanical", "plc"}))
+      ->capture_default_str();
+  app.add_option("--set", options.settings, "world.KEY=VALUE over the files, e.g. world.load.mass_kg=36")
+      ->take_all();
   app.add_option("--start-at-ns", options.start_at_ns,
                  "laboratory time at which the scenario begins (the ship stands still until then); 0: now");
   app.add_flag("!--no-dds", options.dds, "publish no truth, take no faults at run time");

@@ -1,6 +1,12 @@
 #include "simulators/lab/study/lab_run.hpp"
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
 #include <filesystem>
+#include <thread>
 
 #include "drivers/core/config_path.hpp"
 #include "gateway/monitor/scorer.hpp"
@@ -13,6 +19,59 @@ namespace {
 
 /// The truth is scored this often.
 constexpr Nanoseconds kTruthPeriod = 1ms;
+/// In which it is seen whether the load hangs still again.
+constexpr Nanoseconds kLastWindow = 15s;
+
+/// How far from engaged.
+int severity(topic::ModeState state) {
+  switch (state) {
+    case topic::ModeState::engaged:
+      return 0;
+    case topic::ModeState::ready:
+    case topic::ModeState::settled:
+      return 1;
+    case topic::ModeState::stopping:
+      return 2;
+    default:
+      return 3;
+  }
+}
+
+/// Watches over modes and limits, which the score does not know.
+class Watch {
+ public:
+  Watch(const service::GatewayConfig& gateway, LabTime last_from)
+      : limits_(gateway.limits), p_WL_reference_(gateway.p_world_load_reference_m), last_from_(last_from) {}
+
+  void take(const topic::Mode& mode, LabOutcome& outcome) {
+    outcome.engaged_at_end = mode.state == topic::ModeState::engaged;
+    was_engaged_ |= outcome.engaged_at_end;
+    if (was_engaged_ && severity(mode.state) > severity(outcome.worst_mode)) outcome.worst_mode = mode.state;
+    if (mode.fault_latched && outcome.fault_code.empty()) outcome.fault_code = mode.fault_code.view();
+  }
+
+  void take(const topic::TruthWorld& truth, const plant::World& world, LabTime now,
+            LabOutcome& outcome) const {
+    constexpr std::size_t kCraneJoints = 3;
+    for (std::size_t j = 0; j < kCraneJoints; ++j) {
+      outcome.beyond_angle_limit_rad =
+          std::max({outcome.beyond_angle_limit_rad, truth.q_rad[j] - limits_.q_max_rad[j],
+                    limits_.q_min_rad[j] - truth.q_rad[j]});
+      outcome.share_of_speed_limit =
+          std::max(outcome.share_of_speed_limit, std::abs(world.qd_radps()[j]) / limits_.qd_max_radps[j]);
+    }
+    if (now < last_from_) return;
+    double squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) squared += std::pow(truth.p_world_load_m[i] - p_WL_reference_[i], 2);
+    outcome.last_load_error_max_m = std::max(outcome.last_load_error_max_m, std::sqrt(squared));
+  }
+
+ private:
+  controller::GuardLimits limits_;
+  std::array<double, 3> p_WL_reference_;
+  LabTime last_from_;
+  bool was_engaged_ = false;
+};
 
 }  // namespace
 
@@ -28,6 +87,8 @@ lockstep::Config configure(const LabRun& run) {
   config.lab = lab::LabConfig::load(world_toml, {}, settings.world);
   config.lab.set_scenario(run.scenario);
   config.lab.seed = run.seed;
+  config.lab.refuse_beyond(
+      run.limits == "plc" ? plant::PlatformLimits::plc() : plant::PlatformLimits::mechanical(), run.seconds);
   const bool tracked = run.platform == "tracked";
   config.lab.set_platform_tracked(tracked);
   config.gateway.set_platform_tracked(tracked);
@@ -49,6 +110,7 @@ LabOutcome run_lab(const LabRun& run) {
   scoring.labels.sensors = run.sensors;
   scoring.labels.seed = run.seed;
   scoring.labels.platform = run.platform;
+  scoring.labels.limits = run.limits;
   scoring.p_world_load_m = config.gateway.p_world_load_reference_m;
   scoring.t_start = LabTime{};
   scoring.score_from_s = run.score_from_s;
@@ -67,6 +129,7 @@ LabOutcome run_lab(const LabRun& run) {
   bool engaged = run.controller == "none";
   LabTime next_truth{};
   LabOutcome outcome;
+  Watch watch(config.gateway, end - kLastWindow);
   while (line.now() < end) {
     if (!engaged && line.now() >= engage_at) {
       line.request(topic::ModeAction::engage);
@@ -75,14 +138,15 @@ LabOutcome run_lab(const LabRun& run) {
     line.step();
     if (const auto sample = mode.newer()) {
       scorer.take(*sample);
-      outcome.last_mode = sample->state;
-      if (sample->fault_latched && outcome.fault_code.empty()) outcome.fault_code = sample->fault_code.view();
+      watch.take(*sample, outcome);
     }
     if (const auto sample = control.newer()) scorer.take(*sample);
     if (const auto sample = arm.newer()) scorer.take(*sample);
     if (const auto sample = winch.newer()) scorer.take(*sample);
     if (line.now() >= next_truth) {
-      scorer.take(line.lab().truth());
+      const topic::TruthWorld truth = line.lab().truth();
+      scorer.take(truth);
+      watch.take(truth, line.lab().world(), line.now(), outcome);
       next_truth += kTruthPeriod;
     }
   }
@@ -90,6 +154,29 @@ LabOutcome run_lab(const LabRun& run) {
   scorer.run_until(end);
   outcome.report = scorer.report();
   return outcome;
+}
+
+std::vector<LabOutcome> run_labs(const std::vector<LabRun>& runs) {
+  constexpr unsigned kAtATime = 2;
+  std::vector<LabOutcome> outcomes(runs.size());
+  std::atomic<std::size_t> next{0};
+  std::array<std::exception_ptr, kAtATime> problems;
+  const auto work = [&](std::exception_ptr& problem) {
+    try {
+      for (std::size_t i = next++; i < runs.size(); i = next++) outcomes[i] = run_lab(runs[i]);
+    } catch (...) {
+      problem = std::current_exception();
+      next = runs.size();
+    }
+  };
+  {
+    std::array<std::jthread, kAtATime> workers;
+    for (unsigned w = 0; w < kAtATime; ++w) workers[w] = std::jthread([&, w] { work(problems[w]); });
+  }
+  for (const auto& problem : problems) {
+    if (problem) std::rethrow_exception(problem);
+  }
+  return outcomes;
 }
 
 }  // namespace motionlab::study

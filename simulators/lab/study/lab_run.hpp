@@ -21,6 +21,7 @@ struct LabRun {
   std::string sensors = "real";
   std::string platform = "tracked";
   std::string differences = "on";
+  std::string limits = "mechanical";  ///< which the sea has to keep; or plc
   std::vector<std::string> faults;    ///< as PlannedFault::parse takes them
   std::vector<std::string> settings;  ///< as Settings::parse takes them
   std::uint64_t seed = 1;
@@ -33,8 +34,14 @@ struct LabRun {
 /// What came of it.
 struct LabOutcome {
   monitor::Report report;
-  topic::ModeState last_mode = topic::ModeState::off;
-  std::string fault_code;  ///< the first that was latched; empty: none
+  bool engaged_at_end = false;
+  /// The farthest that it went from engaged after it was; engaged if it stayed.
+  topic::ModeState worst_mode = topic::ModeState::engaged;
+  std::string fault_code;             ///< the first that was latched; empty: none
+  double beyond_angle_limit_rad = 0;  ///< how far a joint truly went past the guard's limits; 0: never
+  double share_of_speed_limit =
+      0;  ///< largest true joint speed over the guard's limit, of the crane's joints
+  double last_load_error_max_m = 0;  ///< in the last 15 s
 };
 
 /// Files, names and differences put together. @throws StartupError with what to write instead
@@ -42,5 +49,8 @@ struct LabOutcome {
 
 /// Runs it on a virtual clock: the same run gives the same bytes. @throws StartupError
 [[nodiscard]] LabOutcome run_lab(const LabRun& run);
+
+/// Runs many, two at a time; the outcomes are those of `run_lab`, in order.
+[[nodiscard]] std::vector<LabOutcome> run_labs(const std::vector<LabRun>& runs);
 
 }  // namespace motionlab::study

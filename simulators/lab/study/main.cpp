@@ -9,24 +9,59 @@
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/report.hpp"
 #include "simulators/lab/study/lab_run.hpp"
+#include "simulators/lab/study/robustness_table.hpp"
+#include "simulators/lab/study/source_table.hpp"
+#include "simulators/lab/study/thesis_words.hpp"
+#include "simulators/lab/thesis/metrics.hpp"
+#include "simulators/lab/thesis/table.hpp"
 
 namespace {
 
 using namespace motionlab;
 
+/// A run of a table, when nobody says how long.
+constexpr double kTable_s = 120;
+
 struct Options {
   study::LabRun lab;
+  study::ThesisWords thesis;
   bool list = false;
+  std::string table;
   std::string report;
 };
 
 void list() {
   std::cout << "scenarios    thesis-wave  the wave of the thesis, Tab 4.4 (default)\n"
                "             sea          JONSWAP, Hs 0.5 m, Tp 7 s, drawn from the seed\n"
+               "             pierson-moskowitz  Hs 0.4 m, Tp 7 s, likewise\n"
                "             calm         the ship rests\n"
+               "             csv:FILE     a recording: t_s, surge_m, sway_m, heave_m (down), roll_deg, "
+               "pitch_deg, yaw_deg\n"
                "controllers  ours         keeps the load still (default)\n"
                "             none         nothing is engaged; everything else runs\n"
-               "estimators   ours\n";
+               "estimators   ours\n\n"
+            << thesis::describe()
+            << "\ntables       thesis       every printed number of the thesis beside ours\n"
+               "             robustness   what wrong beliefs, failures and a gust do to the load; 120 s each "
+               "unless told\n"
+               "             sources      which error the load's rest comes from; likewise\n";
+}
+
+std::string report(const CLI::App& app, const Options& options) {
+  if (options.thesis.wanted()) {
+    return monitor::to_json(thesis::report(choose(study::thesis_request(app, options.lab, options.thesis))));
+  }
+  study::refuse_thesis_words(options.lab, options.thesis);
+  return monitor::to_json(study::run_lab(options.lab).report);
+}
+
+std::string answer(const CLI::App& app, const Options& options) {
+  if (options.table == "thesis") return thesis::comparison_table();
+  study::LabRun each = options.lab;
+  if (app.count("--seconds") == 0) each.seconds = kTable_s;
+  if (options.table == "robustness") return study::robustness_table(each);
+  if (options.table == "sources") return study::source_table(each);
+  return report(app, options);
 }
 
 }  // namespace
@@ -39,11 +74,17 @@ int main(int argc, char** argv) {
       "clock. The same options give the same bytes."};
   app.footer("Example: motionlab-study --scenario sea --seed 3 --seconds 120 --report report.json");
   app.add_flag("--list", options.list, "list scenarios, controllers and estimators");
-  app.add_option("--scenario", options.lab.scenario, "thesis-wave, sea or calm")->capture_default_str();
-  app.add_option("--controller", options.lab.controller, "ours or none")
-      ->check(CLI::IsMember({"ours", "none"}))
+  app.add_option("--scenario", options.lab.scenario, "thesis-wave, sea, pierson-moskowitz, calm or csv:FILE")
       ->capture_default_str();
-  app.add_option("--estimator", options.lab.estimator)->check(CLI::IsMember({"ours"}))->capture_default_str();
+  app.add_option("--controller", options.lab.controller, "ours or none; --list shows those of the thesis")
+      ->check(CLI::IsMember({"ours", "none", "prefilter", "integral", "damper"}))
+      ->capture_default_str();
+  app.add_option("--estimator", options.lab.estimator, "ours; --list shows those of the thesis")
+      ->check(CLI::IsMember({"ours", "ideal", "kf4", "ekf4", "ekf10", "ekf35"}))
+      ->capture_default_str();
+  options.thesis.add_to(app);
+  app.add_option("--table", options.table, "print a table and exit")
+      ->check(CLI::IsMember({"thesis", "robustness", "sources"}));
   app.add_option("--sensors", options.lab.sensors, "real, or ideal: no noise, bias or drift")
       ->check(CLI::IsMember({"ideal", "real"}))
       ->capture_default_str();
@@ -64,6 +105,9 @@ int main(int argc, char** argv) {
   app.add_option("--fault", options.lab.faults,
                  "DEVICE:FAULT[=VALUE]@FROM[..UNTIL] in s, e.g. mru1:silent@30")
       ->take_all();
+  app.add_option("--limits", options.lab.limits, "of the platform, which the sea has to keep")
+      ->check(CLI::IsMember({"mechanical", "plc"}))
+      ->capture_default_str();
   app.add_option("--set", options.lab.settings,
                  "world.KEY=VALUE or lab.KEY=VALUE over the files, e.g. world.load.mass_kg=36")
       ->take_all();
@@ -79,7 +123,7 @@ int main(int argc, char** argv) {
       list();
       return 0;
     }
-    const std::string text = monitor::to_json(study::run_lab(options.lab).report);
+    const std::string text = answer(app, options);
     if (options.report.empty()) {
       std::cout << text;
       return 0;

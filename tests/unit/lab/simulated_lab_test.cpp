@@ -190,5 +190,24 @@ TEST_F(Lab, RefusesToStartWhenAnAddressIsTaken) {
   EXPECT_THROW(SimulatedLab(config_, network_, clock_.now()), std::exception);
 }
 
+TEST_F(Lab, AGustPushesTheLoadTheWayItBlowsUntilItEnds) {
+  LabConfig calm;
+  calm.set_scenario("calm");
+  build(calm);
+  const Eigen::Vector3d before = lab_->state().crane.p_WL;
+  ASSERT_TRUE(lab_->set_fault("world", "gust:90", true, 12));
+  run(100ms);
+  const Eigen::Vector3d off = lab_->state().crane.p_WL - before;
+  EXPECT_NEAR(off.y(), 0.5 * 1.0 * 0.1 * 0.1, 2e-4) << "a metre per second squared";
+  EXPECT_NEAR(off.x(), 0, 1e-5);
+  ASSERT_TRUE(lab_->set_fault("world", "gust:90", false));
+  run(1ms);  // the tick that had begun ends
+  const double v = lab_->state().crane.v_WL.y();
+  run(2ms);
+  EXPECT_LE(lab_->state().crane.v_WL.y(), v) << "it swings on freely";
+  EXPECT_FALSE(lab_->set_fault("world", "gust:north", true));
+  EXPECT_THAT(std::string(lab_->set_fault("world", "rain", true).fault().text), testing::HasSubstr("gust"));
+}
+
 }  // namespace
 }  // namespace motionlab::lab

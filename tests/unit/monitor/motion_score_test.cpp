@@ -33,6 +33,7 @@ TEST(MotionStatistics, GivesASineItsAmplitudeOverRootTwo) {
   EXPECT_NEAR(score.load_error_max_m, 0.7, 1e-12);
   EXPECT_NEAR(score.tool_error_rms_m[0], 0.1 / std::sqrt(2), 1e-12);
   EXPECT_EQ(score.tool_error_rms_m[1], 0);
+  EXPECT_NEAR(score.tool_error_rms_norm_m, std::hypot(0.1, 0.05) / std::sqrt(2), 1e-12);
   EXPECT_NEAR(score.heave_residual_rms_m, 0.6 / std::sqrt(2), 1e-12);
 }
 

@@ -289,6 +289,7 @@ const std::vector<std::string> kReportKeys{"scenario",
                                            "load_error_rms_norm_m",
                                            "load_error_max_m",
                                            "tool_error_rms_m",
+                                           "tool_error_rms_norm_m",
                                            "settling_time_s",
                                            "joint_speed_max_degps",
                                            "winch_speed_max_mps",
@@ -339,8 +340,8 @@ TEST(Report, SaysWhatWasSeen) {
   EXPECT_EQ(keys(json["baseline"]),
             (std::vector<std::string>{"swing_rms_deg", "swing_axis_rms_deg", "swing_max_deg",
                                       "swing_axis_max_deg", "load_error_rms_m", "load_error_rms_norm_m",
-                                      "load_error_max_m", "tool_error_rms_m", "settling_time_s",
-                                      "joint_speed_max_degps", "winch_speed_max_mps"}));
+                                      "load_error_max_m", "tool_error_rms_m", "tool_error_rms_norm_m",
+                                      "settling_time_s", "joint_speed_max_degps", "winch_speed_max_mps"}));
   EXPECT_EQ(keys(json["step_time_us"]), (std::vector<std::string>{"p50", "p99", "max"}));
   ASSERT_EQ(json["faults"].size(), 1u);
   EXPECT_EQ(keys(json["faults"][0]),
