@@ -27,7 +27,7 @@ LoadKeeper::LoadKeeper(const LoadKeeperConfig& config)
       arm_(config.arm),
       law_(config.law),
       reference_(config.reference),
-      observer_(config.servo, config.observer_gain_per_s) {}
+      observer_(config.servo, config.observer_gain_per_s, config.identifier) {}
 
 void LoadKeeper::sent(LabTime t, const topic::ArmCommand& command) {
   observer_.sent(t + from_seconds(config_.command_latency_s), command.follow,
@@ -75,11 +75,12 @@ std::optional<Wish> LoadKeeper::step(const Inputs& in) {
     if (!joints) return std::nullopt;
     q[i] = *joints;
   }
-  const double w = config_.servo.omega_radps, zeta = config_.servo.zeta;
+  const Vector3d w = observer_.omega_radps();
+  const double zeta = config_.servo.zeta;
   const auto set_point = [&](std::size_t i) -> Vector3d {
     const Vector3d qd = (q[i + 1] - q[i - 1]) / (2 * T);
     const Vector3d qdd = (q[i + 1] - 2 * q[i] + q[i - 1]) / (T * T);
-    return q[i] + 2 * zeta / w * qd + qdd / (w * w);
+    return q[i] + (2 * zeta * qd + qdd.cwiseQuotient(w)).cwiseQuotient(w);
   };
   const Vector3d s_begin = set_point(1), s_end = set_point(2);
   const Vector3d observed = observer_.at(in.t_send + from_seconds(config_.command_latency_s));

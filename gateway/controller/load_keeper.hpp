@@ -28,6 +28,7 @@ struct LoadKeeperConfig {
   double command_latency_s = 0.0005;   ///< from sending to the robot computer's integrator
   double set_point_gain_per_s = 30.0;  ///< how fast a wrong set point is corrected
   double observer_gain_per_s = 10.0;   ///< see SetPointObserver
+  ServoIdentifierConfig identifier;    ///< how the servos' speed is learnt
   double height_gain_per_s = 0.5;      ///< winch speed per metre of load height error
   double height_speed_max_mps = 0.05;
 };
@@ -36,8 +37,8 @@ struct LoadKeeperConfig {
 ///
 /// The arm takes velocities, which the robot computer integrates to a set point that the joints follow with a
 /// lag. So the wanted joints q_d(t) are found by inverse kinematics on the ship's predicted motion, the lag
-/// is inverted (s_d = q_d + 2ζ/ω q̇_d + q̈_d/ω², one servo delay ahead), and the velocity is what carries s_d
-/// over the coming hold, plus a slow pull of the observed set point to s_d.
+/// is inverted (s_d = q_d + 2ζ/ω q̇_d + q̈_d/ω², one servo delay ahead, with each joint's identified ω), and
+/// the velocity is what carries s_d over the coming hold, plus a slow pull of the observed set point to s_d.
 class LoadKeeper {
  public:
   explicit LoadKeeper(const LoadKeeperConfig& config);
@@ -58,6 +59,9 @@ class LoadKeeper {
   /// One step. While not engaged it wishes rest and keeps the software tool point at the real one, so that
   /// engaging begins without a step. A posture out of reach gives no wish: the guard then stops the arm.
   [[nodiscard]] std::optional<Wish> step(const Inputs& inputs);
+
+  /// ω of the crane joints' servos as identified so far [rad/s].
+  [[nodiscard]] const Eigen::Vector3d& servo_omega_radps() const { return observer_.omega_radps(); }
 
  private:
   using Vector3d = Eigen::Vector3d;

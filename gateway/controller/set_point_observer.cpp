@@ -4,8 +4,9 @@
 
 namespace motionlab::controller {
 
-SetPointObserver::SetPointObserver(const ServoBelief& servo, double gain_per_s)
-    : servo_(servo), gain_per_s_(gain_per_s) {
+SetPointObserver::SetPointObserver(const ServoBelief& servo, double gain_per_s,
+                                   const ServoIdentifierConfig& identifier)
+    : servo_(servo), gain_per_s_(gain_per_s), identifier_(servo, identifier) {
   for (auto& sent : ring_) sent.t = LabTime::min();
 }
 
@@ -40,8 +41,8 @@ bool SetPointObserver::following(LabTime from, LabTime to) const {
 }
 
 void SetPointObserver::step_servo(const Vector3d& set_point, double dt) {
-  const double w = servo_.omega_radps;
-  const Vector3d qdd = w * w * (set_point - q_) - 2 * servo_.zeta * w * qd_;
+  const Vector3d& w = omega_radps();
+  const Vector3d qdd = w.cwiseProduct(w.cwiseProduct(set_point - q_) - 2 * servo_.zeta * qd_);
   q_ += dt * qd_ + 0.5 * dt * dt * qdd;
   qd_ += dt * qdd;
 }
@@ -53,6 +54,7 @@ void SetPointObserver::measured(LabTime t, const Vector3d& q, const Vector3d& qd
   if (!heard_ || t - t_ > 200ms || !following(t_set_point_, t_set_point)) {
     set_point_ = q_ = q;
     qd_ = qd;
+    identifier_.restart(q, qd);
   } else {
     constexpr double kStep = 0.0005;
     const double span = seconds(t - t_);
@@ -63,10 +65,12 @@ void SetPointObserver::measured(LabTime t, const Vector3d& q, const Vector3d& qd
       const LabTime next = i + 1 == steps ? t_set_point : at + each;
       const Vector3d moved = integral(at, next);
       step_servo(set_point_ + 0.5 * moved, span / steps);
+      identifier_.advance(moved, span / steps);
       set_point_ += moved;
       at = next;
     }
     set_point_ += gain_per_s_ * span * (q - q_);
+    identifier_.measured(q, span);
   }
   heard_ = true;
   t_ = t;

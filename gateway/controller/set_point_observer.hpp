@@ -7,21 +7,22 @@
 
 #include "drivers/core/time.hpp"
 #include "gateway/controller/servo_belief.hpp"
+#include "gateway/controller/servo_identifier.hpp"
 
 namespace motionlab::controller {
 
 /// Observes the set point of the three crane joints from what was sent and from the encoders.
 ///
-/// The believed servo is run beside the real one on the same set point; the difference between its posture
-/// and the measured one moves the set point slowly. A lost datagram, a clipped velocity and a servo that is
-/// slower than believed all show up there, and the controller, which steers the observed set point, cures
-/// them together.
+/// A model of the servo is run beside the real one on the same set point; the difference between its posture
+/// and the measured one moves the set point slowly. A lost datagram, a clipped velocity and what is left of a
+/// servo other than modelled all show up there, and the controller, which steers the observed set point,
+/// cures them together. How fast the servos are is identified on the way.
 class SetPointObserver {
  public:
   using Vector3d = Eigen::Vector3d;
 
   /// @param gain_per_s  how fast the difference between believed and measured posture moves the set point
-  SetPointObserver(const ServoBelief& servo, double gain_per_s);
+  SetPointObserver(const ServoBelief& servo, double gain_per_s, const ServoIdentifierConfig& identifier = {});
 
   /// A velocity command left at time t; it holds until the next. In order of time.
   void sent(LabTime t, bool follow, const Vector3d& qd_radps);
@@ -33,6 +34,9 @@ class SetPointObserver {
   /// The set point at time t, not before the last measurement. The measured posture before anything was sent,
   /// zero before the first measurement.
   [[nodiscard]] Vector3d at(LabTime t) const;
+
+  /// What the servos' ω are taken for.
+  [[nodiscard]] const Vector3d& omega_radps() const { return identifier_.omega_radps(); }
 
  private:
   struct Sent {
@@ -50,6 +54,7 @@ class SetPointObserver {
 
   ServoBelief servo_;
   double gain_per_s_;
+  ServoIdentifier identifier_;
   std::array<Sent, kCapacity> ring_{};  ///< newest last, in a circle
   std::size_t next_ = 0;
   bool heard_ = false;

@@ -84,6 +84,7 @@ void ControlLoop::step(LabTime t) {
   control.age_bodies_s = age_s(now.load, t);
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
+  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_.servo_omega_radps();
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
