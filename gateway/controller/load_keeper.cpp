@@ -13,6 +13,12 @@ Eigen::Vector3d crane_joints(const std::array<double, 6>& a) {
   return {a[0], a[1], a[2]};
 }
 
+math::BodyMotion second_ship_of(const topic::Estimate& e) {
+  return {math::RigidTransform::from_quaternion(Eigen::Map<const Eigen::Vector4d>(e.q_world_second.data()),
+                                                vector(e.p_world_second_m)),
+          vector(e.v_world_second_mps), vector(e.a_world_second_mps2), vector(e.omega_world_second_radps),
+          vector(e.alpha_world_second_radps2)};
+}
 math::BodyMotion ship_of(const topic::Estimate& e) {
   return {math::RigidTransform::from_quaternion(Eigen::Map<const Eigen::Vector4d>(e.q_world_platform.data()),
                                                 vector(e.p_world_platform_m)),
@@ -27,6 +33,7 @@ LoadKeeper::LoadKeeper(const LoadKeeperConfig& config)
       arm_(config.arm),
       law_(config.law),
       reference_(config.reference),
+      carried_(config.X_WN_second),
       observer_(config.servo, config.observer_gain_per_s, config.identifier) {}
 
 void LoadKeeper::sent(LabTime t, const topic::ArmCommand& command) {
@@ -40,7 +47,7 @@ std::optional<Eigen::Vector3d> LoadKeeper::wanted_joints(const math::BodyMotion&
   return arm_.inverse(X_WR.inverse() * p_WT);
 }
 
-std::optional<Wish> LoadKeeper::step(const Inputs& in) {
+std::optional<Wish> LoadKeeper::step(const KeeperInputs& in) {
   if (in.arm.sequence_number != arm_seen_) {
     arm_seen_ = in.arm.sequence_number;
     observer_.measured(from_ns(in.arm.t_measured_ns), crane_joints(in.arm.q_rad),
@@ -50,15 +57,19 @@ std::optional<Wish> LoadKeeper::step(const Inputs& in) {
   stepped_ = in.t;
   const topic::Estimate& e = in.estimate;
   if (!in.engaged || !running_) {
-    law_.start(vector(e.p_world_tool_m), vector(e.v_world_tool_mps), in.p_WL_reference.z() + e.wire_length_m);
-    reference_.reset(in.p_WL_reference);
+    law_.start(vector(e.p_world_tool_m), vector(e.v_world_tool_mps), in.reference.p_WL.z() + e.wire_length_m);
+    reference_.reset(in.reference.p_WL);
+    carried_.reset();
     running_ = in.engaged;
     return Wish{};
   }
   const math::BodyMotion ship = ship_of(e);
   const Vector3d p_BT = ship.X_WB.inverse() * law_.p_WT();
-  if (dt > 0) reference_.step(dt, in.p_WL_reference);
-  law_.step(dt, {.reference = {reference_.p(), reference_.v(), reference_.a()},
+  if (dt > 0) reference_.step(dt, in.reference.p_WL, in.reference.v_WL);
+  math::PointMotion place{reference_.p(), reference_.v(), reference_.a()};
+  carried_.step(dt, in.reference.on_second_ship && e.second_valid);
+  if (e.second_valid) place = carried_.motion(place, second_ship_of(e));
+  law_.step(dt, {.reference = place,
                  .p_WL = vector(e.p_world_load_m),
                  .v_WL = vector(e.v_world_load_mps),
                  .wire_length_m = e.wire_length_m,
@@ -88,11 +99,12 @@ std::optional<Wish> LoadKeeper::step(const Inputs& in) {
 
   Wish wish;
   for (std::size_t i = 0; i < 3; ++i) wish.qd_radps[i] = qd[static_cast<Eigen::Index>(i)];
-  // The winch carries a moving reference and takes out what height error is left.
-  const double too_high = e.p_world_load_m[2] - reference_.p().z();
+  // The winch carries a moving place, its lag inverted, and takes out what height error is left.
+  const double too_high = e.p_world_load_m[2] - place.p.z();
   const double trim = std::clamp(config_.height_gain_per_s * too_high, -config_.height_speed_max_mps,
                                  config_.height_speed_max_mps);
-  wish.wire_speed_mps = trim - reference_.v().z();
+  const double lead = 2 * config_.winch.zeta / config_.winch.omega_radps + config_.winch.delay_s;
+  wish.wire_speed_mps = trim - (place.v.z() + lead * place.a.z());
   return wish;
 }
 

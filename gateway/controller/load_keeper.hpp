@@ -5,23 +5,23 @@
 #include <optional>
 
 #include "drivers/core/time.hpp"
+#include "gateway/controller/carried_place.hpp"
+#include "gateway/controller/keeper.hpp"
 #include "gateway/controller/load_law.hpp"
 #include "gateway/controller/servo_belief.hpp"
 #include "gateway/controller/set_point_observer.hpp"
 #include "gateway/controller/smooth_point.hpp"
-#include "gateway/controller/wish.hpp"
 #include "gateway/math/crane_arm.hpp"
 #include "gateway/math/moving_base.hpp"
-#include "idl/arm_command.hpp"
-#include "idl/arm_state.hpp"
-#include "idl/estimate.hpp"
 
 namespace motionlab::controller {
 
 struct LoadKeeperConfig {
   math::CraneArmGeometry arm;
-  math::RigidTransform X_BR;  ///< robot base in platform body
+  math::RigidTransform X_BR;         ///< robot base in platform body
+  math::RigidTransform X_WN_second;  ///< second ship at neutral
   ServoBelief servo;
+  ServoBelief winch{.omega_radps = 25.1327, .zeta = 0.7, .delay_s = 0.015};  ///< half a hold, half a task
   LoadLawConfig law;
   SmoothPointLimits reference;         ///< how briskly a new reference is approached
   double command_period_s = 0.005;     ///< how long each velocity holds
@@ -39,29 +39,16 @@ struct LoadKeeperConfig {
 /// lag. So the wanted joints q_d(t) are found by inverse kinematics on the ship's predicted motion, the lag
 /// is inverted (s_d = q_d + 2ζ/ω q̇_d + q̈_d/ω², one servo delay ahead, with each joint's identified ω), and
 /// the velocity is what carries s_d over the coming hold, plus a slow pull of the observed set point to s_d.
-class LoadKeeper {
+///
+/// A posture out of reach gives no wish.
+class LoadKeeper final : public Keeper {
  public:
   explicit LoadKeeper(const LoadKeeperConfig& config);
 
-  /// What left for the robot and when. Called for every command sent, engaged or not.
-  void sent(LabTime t, const topic::ArmCommand& command);
-
-  struct Inputs {
-    LabTime t{};                     ///< now
-    LabTime t_send{};                ///< when the next command leaves
-    topic::Estimate estimate;        ///< valid, for time t
-    topic::ArmState arm;             ///< the newest
-    Eigen::Vector3d p_WL_reference;  ///< may jump; it is approached smoothly
-    double horizontal_share = 1.0;   ///< see LoadLaw::Inputs::share
-    bool engaged = false;
-  };
-
-  /// One step. While not engaged it wishes rest and keeps the software tool point at the real one, so that
-  /// engaging begins without a step. A posture out of reach gives no wish: the guard then stops the arm.
-  [[nodiscard]] std::optional<Wish> step(const Inputs& inputs);
-
-  /// ω of the crane joints' servos as identified so far [rad/s].
-  [[nodiscard]] const Eigen::Vector3d& servo_omega_radps() const { return observer_.omega_radps(); }
+  void sent(LabTime t, const topic::ArmCommand& command) override;
+  /// While not engaged it keeps the software tool point at the real one.
+  [[nodiscard]] std::optional<Wish> step(const KeeperInputs& inputs) override;
+  [[nodiscard]] const Eigen::Vector3d& servo_omega_radps() const override { return observer_.omega_radps(); }
 
  private:
   using Vector3d = Eigen::Vector3d;
@@ -73,6 +60,7 @@ class LoadKeeper {
   math::CraneArm arm_;
   LoadLaw law_;
   SmoothPoint reference_;
+  CarriedPlace carried_;
   SetPointObserver observer_;
   std::uint64_t arm_seen_ = 0;
   std::optional<LabTime> stepped_;

@@ -30,7 +30,7 @@ class LoadLaw {
  public:
   using Vector3d = Eigen::Vector3d;
 
-  /// Solves the regulator for wire lengths of 0.5 … 4 m; @throws std::runtime_error for weights without
+  /// Solves the regulator for wire lengths of 0.5 … 7 m; @throws std::runtime_error for weights without
   /// solution.
   explicit LoadLaw(const LoadLawConfig& config);
 
@@ -38,6 +38,9 @@ class LoadLaw {
   /// @param tool_height_m  where the tool shall be brought in z; the load's own height is the winch's
   /// business
   void start(const Vector3d& p_WT, const Vector3d& v_WT, double tool_height_m);
+
+  /// Brings the tool to another height; the same rules hold.
+  void set_tool_height(double tool_height_m) { tool_height_m_ = tool_height_m; }
 
   struct Inputs {
     math::PointMotion reference;  ///< where the load shall be, and how that place moves
@@ -57,8 +60,8 @@ class LoadLaw {
  private:
   using Gain = Eigen::Matrix<double, 1, 5>;  ///< on P, V, d, ḋ, ∫
   static constexpr double kShortest = 0.5;
-  static constexpr double kLongest = 4.0;
-  static constexpr int kGains = 36;
+  static constexpr double kLongest = 7.0;
+  static constexpr int kGains = 66;
 
   [[nodiscard]] Gain gain(double wire_length_m) const;
 

@@ -7,6 +7,15 @@
 
 namespace motionlab::estimator {
 
+/// Where a motion reference unit is mounted on its ship, and how it was set up.
+struct MruMount {
+  math::RigidTransform X_WN;                       ///< platform neutral in world
+  math::RigidTransform X_BM;                       ///< the unit in platform body, misalignment included
+  Eigen::Vector3d p_MO = Eigen::Vector3d::Zero();  ///< lever arm the unit was told, to B's origin in its own
+                                                   ///< axes; as wrong as its mounting
+  math::EulerOrder order = math::EulerOrder::zyx;
+};
+
 /// Where the frames stand. `A_TO_B` of the configuration is X_AB here.
 struct Calibration {
   math::RigidTransform X_WN;  ///< platform neutral in world
@@ -18,6 +27,7 @@ struct Calibration {
   math::RigidTransform X_BP;  ///< the tracked camera body in platform body
   math::CraneArmGeometry arm;
   math::EulerOrder mru_order = math::EulerOrder::zyx;
+  MruMount second;  ///< of the second ship's unit
 };
 
 /// How the ship moves when nothing is known: two equal resonators in cascade per coordinate, driven by white

@@ -20,21 +20,6 @@ void copy_to(std::array<double, N>& to, const Vector& from) {
   for (std::size_t i = 0; i < N; ++i) to[i] = from[static_cast<Eigen::Index>(i)];
 }
 
-/// The level frame D: origin and heading of N, but its z exactly down. Angles against gravity are angles in
-/// D.
-Matrix3d level_frame(const Matrix3d& R_WN) {
-  Matrix3d R_WD;
-  R_WD.col(2) = -Eigen::Vector3d::UnitZ();
-  R_WD.col(0) = (R_WN.col(0) - R_WN.col(0).z() * Eigen::Vector3d::UnitZ()).normalized();
-  R_WD.col(1) = R_WD.col(2).cross(R_WD.col(0));
-  return R_WD;
-}
-
-/// The smallest angle that is equal to a up to whole turns.
-double wrapped(double a) {
-  return std::remainder(a, 2 * std::acos(-1.0));
-}
-
 /// A body that was not seen for this long is no longer called tracked.
 constexpr Nanoseconds kSeenFor = 100ms;
 /// A measurement this much older than the filter's state is still used, as if it were of that time.
@@ -83,6 +68,9 @@ bool sane_pose(const topic::Bodies& body) {
 
 LabEstimator::LabEstimator(const Belief& belief)
     : belief_(belief),
+      mount_{belief.calibration.X_WN, belief.calibration.X_BM, belief.calibration.p_MO,
+             belief.calibration.mru_order},
+      second_(belief.calibration.second, belief.ship, belief.mru, belief.load.gravity_mps2),
       axis_model_(belief.ship.period_s, belief.ship.damping),
       R_WD_(level_frame(belief.calibration.X_WN.R)) {
   begin();
@@ -114,6 +102,7 @@ topic::Estimate LabEstimator::step(const Inputs& inputs) {
   if (std::chrono::abs(inputs.t - now_) > kLongestGap) begin();
   now_ = inputs.t;
   collect(inputs);
+  second_.step(inputs.t, inputs.second_mru);
   const LabTime due = inputs.t - from_seconds(belief_.fusion_delay_s);
   for (;;) {
     Pending* earliest = nullptr;
@@ -214,21 +203,6 @@ void LabEstimator::place_load(const Vector3d& p_WL) {
     filter_.P(kLoadVelocity + k, kLoadVelocity + k) = 1.0;
   }
   load_refusals_ = 0;
-}
-
-Eigen::Vector3d LabEstimator::triple(int derivative, int first_axis) const {
-  return {filter_.x[axis(first_axis, derivative)], filter_.x[axis(first_axis + 1, derivative)],
-          filter_.x[axis(first_axis + 2, derivative)]};
-}
-
-math::BodyMotion LabEstimator::ship() const {
-  const Vector3d rpy = triple(0, 3), rpy_dot = triple(1, 3), rpy_ddot = triple(2, 3);
-  const Matrix3d T = math::euler_zyx_rates_to_body(rpy);
-  return {{R_WD_ * math::from_euler(rpy, math::EulerOrder::zyx), belief_.calibration.X_WN.p + triple(0, 0)},
-          triple(1, 0),
-          triple(2, 0),
-          T * rpy_dot,
-          T * rpy_ddot + math::euler_zyx_rates_to_body_dot(rpy, rpy_dot) * rpy_dot};
 }
 
 LabEstimator::Tool LabEstimator::tool(const math::BodyMotion& ship, const JointMotion& joints) const {
@@ -348,86 +322,8 @@ void LabEstimator::take(const topic::Mru& mru) {
     ++refused_;
     return;
   }
-  const auto& X_BM = belief_.calibration.X_BM;
-  const double g = belief_.load.gravity_mps2;
-
-  // Angles. The unit's attitude in D is that of B times the mounting.
-  {
-    const Vector3d rpy_B = triple(0, 3);
-    const Matrix3d R_DM = math::from_euler(rpy_B, math::EulerOrder::zyx) * X_BM.R;
-    const Vector3d rpy_M = math::to_euler(R_DM, belief_.calibration.mru_order);
-    const Vector3d rpy_zyx = math::to_euler(R_DM, math::EulerOrder::zyx);
-    // The readings' small changes follow the zyx angles of the unit in either order, near enough for a gain.
-    const Matrix3d H = math::euler_zyx_rates_to_body(rpy_zyx).inverse() * X_BM.R.transpose() *
-                       math::euler_zyx_rates_to_body(rpy_B);
-    const Vector3d reading = vector(mru.euler_heading_mru_rad);
-    for (int i = 0; i < 3; ++i) {
-      const int error_index = i < 2 ? kTiltError + i : kYawError;
-      SparseRow row;
-      double predicted = rpy_M[i] + filter_.x[error_index];
-      for (int j = 0; j < 3; ++j) {
-        row.add(axis(3 + j), H(i, j));
-        predicted += H(i, j) * (filter_.x[axis(3 + j)] - rpy_B[j]);
-      }
-      row.add(error_index, 1.0);
-      update(row, wrapped(reading[i] - predicted), belief_.mru.angle_noise_rad);
-    }
-  }
-  // Rates, in the unit's body frame.
-  {
-    const Vector3d rpy = triple(0, 3), rpy_dot = triple(1, 3);
-    const Matrix3d R_MB = X_BM.R.transpose();
-    const Matrix3d on_rate = R_MB * math::euler_zyx_rates_to_body(rpy);
-    Matrix3d on_angle;
-    for (int j = 0; j < 3; ++j) {
-      on_angle.col(j) = R_MB * math::euler_zyx_rates_to_body_dot(rpy, Vector3d::Unit(j)) * rpy_dot;
-    }
-    const Vector3d reading = vector(mru.omega_mru_radps);
-    for (int i = 0; i < 3; ++i) {
-      SparseRow row;
-      double predicted = on_rate.row(i).dot(triple(1, 3)) + filter_.x[kRateBias + i];
-      for (int j = 0; j < 3; ++j) {
-        row.add(axis(3 + j, 1), on_rate(i, j));
-        row.add(axis(3 + j), on_angle(i, j));
-        predicted += on_angle(i, j) * (filter_.x[axis(3 + j)] - rpy[j]);
-      }
-      row.add(kRateBias + i, 1.0);
-      update(row, reading[i] - predicted, belief_.mru.rate_noise_radps);
-    }
-  }
-  // Accelerations in the unit's heading frame, of the point O that the unit takes for B's origin: its lever
-  // arm knows nothing of the misalignment. A tilt error turns gravity into acceleration.
-  {
-    const Vector3d p_BO = X_BM * belief_.calibration.p_MO;
-    const math::BodyMotion now = ship();
-    const Matrix3d on_turn = -now.X_WB.R * math::hat(p_BO) * math::euler_zyx_rates_to_body(triple(0, 3));
-    const Matrix3d R_DM = math::from_euler(triple(0, 3), math::EulerOrder::zyx) * X_BM.R;
-    const double heading = math::to_euler(R_DM, math::EulerOrder::zyx).z();
-    const Matrix3d R_HW = math::rot_z(-heading) * R_WD_.transpose();
-    // What does not depend on the second derivatives of the angles.
-    const Vector3d turning =
-        math::carried(now, {p_BO, Vector3d::Zero(), Vector3d::Zero()}).a - now.a_WB - on_turn * triple(2, 3);
-    const Vector3d reading = vector(mru.a_heading_origin_mps2);
-    for (int i = 0; i < 3; ++i) {
-      SparseRow row;
-      const Eigen::RowVector3d on_turn_H = R_HW.row(i) * on_turn;
-      double predicted = R_HW.row(i).dot(turning + triple(2, 0)) + on_turn_H.dot(triple(2, 3)) +
-                         filter_.x[kAccelerationBias + i];
-      for (int j = 0; j < 3; ++j) {
-        row.add(axis(j, 2), R_HW(i, j));
-        row.add(axis(3 + j, 2), on_turn_H[j]);
-      }
-      row.add(kAccelerationBias + i, 1.0);
-      if (i == 0) {
-        row.add(kTiltError + 1, -g);
-        predicted -= g * filter_.x[kTiltError + 1];
-      } else if (i == 1) {
-        row.add(kTiltError, g);
-        predicted += g * filter_.x[kTiltError];
-      }
-      update(row, reading[i] - predicted, belief_.mru.acceleration_noise_mps2);
-    }
-  }
+  take_mru(mru, view(), mount_, belief_.mru, belief_.load.gravity_mps2,
+           [this](const SparseRow& row, double innovation, double sd) { update(row, innovation, sd); });
 }
 
 void LabEstimator::take_load(const topic::Bodies& body) {
@@ -470,6 +366,19 @@ void LabEstimator::take_platform(const topic::Bodies& body) {
   }
 }
 
+void LabEstimator::tell_second(topic::Estimate& out) const {
+  out.second_valid = second_.valid();
+  if (!out.second_valid) return;
+  const math::BodyMotion ship = second_.motion();
+  copy_to(out.p_world_second_m, ship.X_WB.p);
+  copy_to(out.q_world_second, ship.X_WB.quaternion_wxyz());
+  copy_to(out.v_world_second_mps, ship.v_WB);
+  copy_to(out.a_world_second_mps2, ship.a_WB);
+  copy_to(out.omega_world_second_radps, ship.omega_B);
+  copy_to(out.alpha_world_second_radps2, ship.alpha_B);
+  copy_to(out.p_world_second_sd_m, second_.p_sd_m());
+}
+
 topic::Estimate LabEstimator::estimate_at(LabTime t) {
   topic::Estimate out;
   out.sequence_number = ++sequence_;
@@ -480,6 +389,7 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
       wire_length_m_ + seconds(std::clamp(t - wire_t_, 0ns, Nanoseconds{50ms})) * wire_speed_mps_;
   out.wire_speed_mps = wire_speed_mps_;
   out.valid = started_;
+  tell_second(out);
   if (!started_) return out;
 
   // Carry the mean to the present; what lies between is too short for the covariance to change much.

@@ -7,7 +7,9 @@
 #include "drivers/core/time.hpp"
 #include "gateway/estimator/arm_history.hpp"
 #include "gateway/estimator/belief.hpp"
+#include "gateway/estimator/second_ship.hpp"
 #include "gateway/estimator/ship_axis.hpp"
+#include "gateway/estimator/ship_states.hpp"
 #include "gateway/math/moving_base.hpp"
 #include "gateway/math/sparse_kalman.hpp"
 #include "idl/arm_state.hpp"
@@ -26,6 +28,7 @@ struct Inputs {
   std::optional<topic::Bodies> platform;
   std::optional<topic::ArmState> arm;
   std::optional<topic::WinchState> winch;
+  std::optional<topic::Mru> second_mru;  ///< of the second ship
 };
 
 /// An extended Kalman filter on a time line a little in the past.
@@ -37,9 +40,8 @@ struct Inputs {
 /// the position of the tool enters, so the joint dynamics need not be known. Without a tracked platform body
 /// the load itself is the seismometer: where it is pulled to tells where the tool point is.
 ///
-/// States (40): six ship axes × (x, ẋ, ẍ, x‴): offset of B's origin from its neutral place in W axes, and
-/// roll, pitch, yaw of B against the level frame D; accelerometer bias (3), rate bias (3), tilt error (2),
-/// yaw error (1), load position and velocity in W, horizontal (4), offset of the tool point in W (3).
+/// States (40): the ship and its unit's errors (33, see ShipStates), load position and velocity in W,
+/// horizontal (4), offset of the tool point in W (3). The second ship has a filter of its own.
 ///
 /// Before joints, winch, MRU and load have each been heard once, the estimate is not `valid`. When a source
 /// falls silent the state is carried on without it; its standard deviations grow and the service decides what
@@ -57,12 +59,12 @@ class LabEstimator {
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
-  static constexpr int kAxes = 6;
-  static constexpr int kAccelerationBias = ShipAxis::kSize * kAxes;  // F, S, D
-  static constexpr int kRateBias = kAccelerationBias + 3;
-  static constexpr int kTiltError = kRateBias + 3;  // roll, pitch
-  static constexpr int kYawError = kTiltError + 2;
-  static constexpr int kLoad = kYawError + 1;      // x, y
+  static constexpr int kAxes = ShipStates::kAxes;
+  static constexpr int kAccelerationBias = ShipStates::kAccelerationBias;
+  static constexpr int kRateBias = ShipStates::kRateBias;
+  static constexpr int kTiltError = ShipStates::kTiltError;
+  static constexpr int kYawError = ShipStates::kYawError;
+  static constexpr int kLoad = ShipStates::kSize;  // x, y
   static constexpr int kLoadVelocity = kLoad + 2;  // x, y
   static constexpr int kToolOffset = kLoadVelocity + 2;
   static constexpr int kStates = kToolOffset + 3;
@@ -70,8 +72,7 @@ class LabEstimator {
   using Filter = math::KalmanState<kStates>;
   using Vector3d = Eigen::Vector3d;
 
-  /// Index of a derivative of an axis: axes 0–2 are x, y, z in W, 3–5 roll, pitch, yaw.
-  static constexpr int axis(int i, int derivative = 0) { return ShipAxis::kSize * i + derivative; }
+  static constexpr int axis(int i, int derivative = 0) { return ShipStates::axis(i, derivative); }
 
   struct Pending {
     enum class Kind { none, mru, load, platform } kind = Kind::none;
@@ -102,17 +103,23 @@ class LabEstimator {
   void take_platform(const topic::Bodies& platform);
   bool update(const math::SparseRow& row, double innovation, double sd);
 
-  [[nodiscard]] Vector3d triple(int derivative, int first_axis) const;
-  [[nodiscard]] math::BodyMotion ship() const;
+  [[nodiscard]] ShipView view() const { return {filter_.x.data(), mount_.X_WN.p, R_WD_}; }
+  [[nodiscard]] Vector3d triple(int derivative, int first_axis) const {
+    return view().triple(derivative, first_axis);
+  }
+  [[nodiscard]] math::BodyMotion ship() const { return view().motion(); }
   [[nodiscard]] Tool tool(const math::BodyMotion& ship, const JointMotion& joints) const;
   [[nodiscard]] double hanging_height(const Eigen::Vector2d& load, const Vector3d& p_WT) const;
   /// How strongly a wire of this height pulls the load towards the tool, which rises with acceleration
   /// `lift`.
   [[nodiscard]] double stiffness(double height_m, double lift_mps2) const;
   void add_tool_terms(math::SparseRow& row, const Tool& tool, const Vector3d& weight) const;
+  void tell_second(topic::Estimate& out) const;
   [[nodiscard]] topic::Estimate estimate_at(LabTime t);
 
   Belief belief_;
+  MruMount mount_;
+  SecondShip second_;
   ShipAxis axis_model_;
   std::array<double, kAxes> noise_density_{};
   math::Matrix3d R_WD_;

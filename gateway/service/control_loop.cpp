@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gateway/controller/load_keeper.hpp"
+#include "gateway/controller/thesis_keeper.hpp"
+
 namespace motionlab::service {
 namespace {
 
@@ -19,6 +22,23 @@ constexpr double kShareBack = 2.0;
 constexpr Nanoseconds kModeRepeat = 1s;
 /// How far ahead the owner's lease reaches; renewed with every step of the built-in controller.
 constexpr Nanoseconds kLease = 100ms;
+/// A reference that moves goes on moving for so long after it was last told.
+constexpr Nanoseconds kReferenceGoesOn = 250ms;
+/// No place of any laboratory is further from its origin.
+constexpr double kFarthestReference = 20.0;
+
+std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
+  const auto& k = config.keeper;
+  if (config.law == ControlLaw::ours) return std::make_unique<controller::LoadKeeper>(k);
+  return std::make_unique<controller::ThesisKeeper>(
+      controller::ThesisKeeperConfig{.arm = k.arm,
+                                     .X_WN = config.belief.calibration.X_WN,
+                                     .X_BR = k.X_BR,
+                                     .servo = k.servo,
+                                     .command_period_s = k.command_period_s,
+                                     .command_latency_s = k.command_latency_s,
+                                     .observer_gain_per_s = k.observer_gain_per_s});
+}
 
 }  // namespace
 
@@ -29,10 +49,10 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       schedule_(schedule),
       stopwatch_(std::move(stopwatch)),
       estimator_(config.belief),
-      keeper_(config.keeper),
+      keeper_(keeper_of(config)),
       guard_(config.limits),
       modes_(config.authority),
-      p_WL_reference_(Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())),
+      reference_{Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())},
       requests_(local.subscribe<topic::ModeRequest>()),
       references_(local.subscribe<topic::Reference>()),
       publish_estimate_(local.advertise<topic::Estimate>()),
@@ -46,7 +66,8 @@ void ControlLoop::step(LabTime t) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
   take_requests(t);
   const Snapshot now = snapshots_.at(t);
-  const topic::Estimate estimate = estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch});
+  const topic::Estimate estimate =
+      estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
 
   modes_.step(facts(now, estimate));
   coast(now);
@@ -55,8 +76,8 @@ void ControlLoop::step(LabTime t) {
   std::optional<controller::Wish> wish;
   if (estimate.valid && now.arm) {
     const LabTime t_send = std::max(t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
-    wish = keeper_.step(
-        {t, std::min(t_send, t + 10ms), estimate, *now.arm, p_WL_reference_, horizontal_share_, engaged});
+    wish = keeper_->step(
+        {t, std::min(t_send, t + 10ms), estimate, *now.arm, reference_at(t), horizontal_share_, engaged});
   }
   wish_missing_ = engaged && !wish;
 
@@ -84,7 +105,7 @@ void ControlLoop::step(LabTime t) {
   control.age_bodies_s = age_s(now.load, t);
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
-  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_.servo_omega_radps();
+  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_->servo_omega_radps();
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
@@ -93,11 +114,24 @@ void ControlLoop::step(LabTime t) {
 void ControlLoop::take_requests(LabTime t) {
   while (const auto request = requests_.next()) modes_.request(*request, t);
   while (const auto reference = references_.next()) {
-    const Eigen::Map<const Eigen::Vector3d> wanted(reference->p_world_load_m.data());
-    // A reference is a wish like any other: only a finite one counts, and the guard has the last word.
-    if (wanted.allFinite()) p_WL_reference_ = wanted;
+    const Eigen::Map<const Eigen::Vector3d> p(reference->p_world_load_m.data());
+    const Eigen::Map<const Eigen::Vector3d> v(reference->v_world_load_mps.data());
+    // A reference is a wish like any other: only a possible one counts, and the guard has the last word.
+    if (!(p.cwiseAbs().maxCoeff() <= kFarthestReference && v.cwiseAbs().maxCoeff() <= kFarthestReference))
+      continue;
+    reference_ = {p, v, reference->frame == topic::ReferenceFrame::em1500};
+    reference_moved_ = t;
   }
-  while (const auto sent = schedule_.sent.pop()) keeper_.sent(from_ns(sent->t_created_ns), *sent);
+  while (const auto sent = schedule_.sent.pop()) keeper_->sent(from_ns(sent->t_created_ns), *sent);
+}
+
+controller::LoadReference ControlLoop::reference_at(LabTime t) const {
+  controller::LoadReference now = reference_;
+  if (!reference_moved_) return now;
+  const Nanoseconds since = std::min(t - *reference_moved_, kReferenceGoesOn);
+  now.p_WL += seconds(since) * now.v_WL;
+  if (since == kReferenceGoesOn) now.v_WL.setZero();
+  return now;
 }
 
 controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estimate& estimate) {
@@ -132,6 +166,12 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
     if (!load_seen_ || seconds(now.t - *load_seen_) > config_.qualisys.rest_by_s) {
       return Obstacle{"load_lost",
                       "the cameras have not seen the load for too long; free the view, then reset"};
+    }
+    if (reference_.on_second_ship &&
+        !(estimate.second_valid && fresh(now.second_mru, now.t, config_.mrus.back().rule.stale_after_s))) {
+      return Obstacle{"mru2_stale",
+                      "the reference is on the second ship, whose unit is not heard or still settles; check "
+                      "mru2 or give a reference in world, then reset"};
     }
     if (wish_missing_)
       return Obstacle{"out_of_reach",

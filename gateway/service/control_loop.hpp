@@ -2,12 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "drivers/core/time.hpp"
 #include "gateway/bus/local_bus.hpp"
 #include "gateway/controller/guard.hpp"
-#include "gateway/controller/load_keeper.hpp"
+#include "gateway/controller/keeper.hpp"
 #include "gateway/controller/mode_machine.hpp"
 #include "gateway/estimator/lab_estimator.hpp"
 #include "gateway/service/devices.hpp"
@@ -32,6 +33,8 @@ class ControlLoop {
 
  private:
   void take_requests(LabTime t);
+  /// Where the load shall be now. A moving place goes on for a moment, then stands.
+  [[nodiscard]] controller::LoadReference reference_at(LabTime t) const;
   [[nodiscard]] controller::ModeFacts facts(const Snapshot& snapshot, const topic::Estimate& estimate);
   /// How much of the horizontal motion is compensated while nobody sees the load.
   void coast(const Snapshot& snapshot);
@@ -44,10 +47,11 @@ class ControlLoop {
   std::function<std::int64_t()> stopwatch_;
 
   estimator::LabEstimator estimator_;
-  controller::LoadKeeper keeper_;
+  std::unique_ptr<controller::Keeper> keeper_;
   controller::Guard guard_;
   controller::ModeMachine modes_;
-  Eigen::Vector3d p_WL_reference_;
+  controller::LoadReference reference_;
+  std::optional<LabTime> reference_moved_;  ///< when a moving reference was last told
 
   bus::Subscription<topic::ModeRequest> requests_;
   bus::Subscription<topic::Reference> references_;

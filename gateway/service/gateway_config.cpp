@@ -156,6 +156,15 @@ estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& ar
   constexpr std::array orders{math::EulerOrder::zyx, math::EulerOrder::xyz};
   c.mru_order = orders[t.choice("mru_euler_order", {"zyx", "xyz"})];
   c.arm = arm;
+  const auto second_misalignment = scaled(t.numbers<3>("mru2_misalignment_deg", {-10.0, 10.0}), kDegree);
+  const auto second_lever = t.numbers<3>("mru2_lever_to_origin_m", {-20.0, 20.0});
+  c.second.X_WN = pose(t, "world_to_em1500");
+  c.second.X_BM = pose(t, "em1500_to_mru2");
+  c.second.X_BM.R =
+      c.second.X_BM.R *
+      math::from_euler(Eigen::Map<const Eigen::Vector3d>(second_misalignment.data()), math::EulerOrder::zyx);
+  c.second.p_MO = Eigen::Map<const Eigen::Vector3d>(second_lever.data());
+  c.second.order = c.mru_order;
   return belief;
 }
 
@@ -174,6 +183,8 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   constexpr std::array ladder{topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited,
                               topic::Authority::full};
   config.authority = ladder[control.choice("authority", {"observe", "shadow", "limited", "full"})];
+  constexpr std::array laws{ControlLaw::ours, ControlLaw::integral};
+  config.law = laws[control.choice("law", {"ours", "integral"})];
   const bool tracked =
       control.choice("platform", {"tracked", "untracked"}) == 0;  // taken below, by all it concerns
 
@@ -187,6 +198,8 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.comau = comau_link(root);
   config.winch = winch_link(root);
   config.limits = guard_limits(root);
+  constexpr std::array platform_limits{"plc", "mechanical"};
+  config.platform_limits = platform_limits[root.table("limits").choice("platform", {"plc", "mechanical"})];
   const bool watched = root.table("comau").choice("watchdog", {"none", "relay", "patched"}) != 0;
   if (!watched) {
     for (auto& fastest : config.limits.qd_max_radps) fastest = std::min(fastest, kSpeedWithoutWatchdog);
@@ -200,8 +213,10 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.belief = belief(root, geometry);
   config.keeper.arm = geometry;
   config.keeper.X_BR = config.belief.calibration.X_BR;
+  config.keeper.X_WN_second = config.belief.calibration.second.X_WN;
   config.keeper.servo = {arm.number("servo_omega_radps", {1.0, 200.0}), arm.number("servo_zeta", {0.1, 2.0}),
                          arm.number("servo_delay_s", {0.0, 0.1})};
+  config.keeper.identifier.memory_s = arm.number("servo_memory_s", {0.0, 3600.0});
   config.keeper.command_period_s = config.comau.driver.command_period_s;
   config.p_world_load_reference_m = root.table("reference").numbers<3>("p_world_load_m", {-20.0, 20.0});
   config.comau.driver.qd_max_radps = config.limits.qd_max_radps;

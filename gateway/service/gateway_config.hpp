@@ -56,18 +56,28 @@ struct WinchLink {
   LinkRule rule;
 };
 
+/// Which controller moves the crane.
+enum class ControlLaw {
+  ours,      ///< keeps the load still in the world (LoadKeeper)
+  integral,  ///< the thesis' integral controller (ThesisKeeper), to compare with
+};
+
 struct GatewayConfig {
   double control_period_s = 0.001;
   topic::Authority authority = topic::Authority::full;
   bus::DdsConfig bus;
-  std::vector<MruLink> mrus;  ///< the first is the one on the crane's ship
+  std::vector<MruLink> mrus;  ///< the first on the crane's ship, the last on the second ship
   QualisysLink qualisys;
   ComauLink comau;
   WinchLink winch;
   estimator::Belief belief;
+  ControlLaw law = ControlLaw::ours;
   controller::LoadKeeperConfig keeper;
   controller::GuardLimits limits;
   std::array<double, 3> p_world_load_reference_m{};
+  /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas are
+  /// checked against them before they are run.
+  std::string platform_limits = "plc";
   std::string effective;           ///< the merged text
   std::vector<std::string> notes;  ///< what a reader of the log should know about it
 

@@ -8,10 +8,17 @@ Snapshots::Snapshots(const GatewayConfig& config, bus::LocalBus& local)
       platform_{local.reader<topic::Bodies>(config.qualisys.driver.device, config.qualisys.platform_body),
                 {}},
       arm_{local.reader<topic::ArmState>(config.comau.driver.device), {}},
-      winch_{local.reader<topic::WinchState>(config.winch.driver.device), {}} {}
+      winch_{local.reader<topic::WinchState>(config.winch.driver.device), {}},
+      second_mru_{local.reader<topic::Mru>(config.mrus.back().driver.device), {}} {}
 
 Snapshot Snapshots::at(LabTime t) {
-  return {t, mru_.newest(), load_.newest(), platform_.newest(), arm_.newest(), winch_.newest()};
+  return {t,
+          mru_.newest(),
+          load_.newest(),
+          platform_.newest(),
+          arm_.newest(),
+          winch_.newest(),
+          second_mru_.newest()};
 }
 
 }  // namespace motionlab::service

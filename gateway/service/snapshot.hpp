@@ -17,6 +17,7 @@ struct Snapshot {
   std::optional<topic::Bodies> platform;
   std::optional<topic::ArmState> arm;
   std::optional<topic::WinchState> winch;
+  std::optional<topic::Mru> second_mru;
 };
 
 /// How old a sample's measurement is at time t, in s; -1 before the first.
@@ -54,6 +55,7 @@ class Snapshots {
   Source<topic::Bodies> platform_;
   Source<topic::ArmState> arm_;
   Source<topic::WinchState> winch_;
+  Source<topic::Mru> second_mru_;
 };
 
 }  // namespace motionlab::service

@@ -131,6 +131,11 @@ void read_sea(const TomlTable& t, LabConfig::SeaWish& c) {
   if (t.boolean_or("directional", false)) c.direction = direction;
 }
 
+void read_second_ship(const TomlTable& t, LabConfig& c) {
+  c.second_ship_height_m = t.number_or("significant_height_m", c.second_ship_height_m, {0, 20});
+  if (t.has("scenario")) c.set_second_ship(t.text("scenario"));
+}
+
 void read_mru(const TomlTable& t, plant::MruConfig& c) {
   read_number(t, "period_s", c.period_s, {0.001, 1});
   read_number(t, "output_latency_s", c.output_latency_s, {0, 1});
@@ -226,6 +231,7 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   read_differences(root.table_or_empty("differences"), c.world.differences);
   read_calibration(root.table_or_empty("calibration"), c.world.calibration);
   read_sea(root.table_or_empty("sea"), c.sea);
+  read_second_ship(root.table_or_empty("second_ship"), c);
   read_arm(root.table_or_empty("arm"), c.world);
   read_winch(root.table_or_empty("winch"), c.world);
   read_load(root.table_or_empty("load"), c.world, c.world.load);
@@ -267,6 +273,16 @@ void LabConfig::set_scenario(std::string_view name) {
   scenario.peak_period_s = sea.peak_period_s.value_or(scenario.peak_period_s);
   scenario.peak_enhancement = sea.peak_enhancement.value_or(scenario.peak_enhancement);
   scenario.direction = sea.direction;
+}
+
+void LabConfig::set_second_ship(std::string_view name) {
+  const auto found = plant::scenario_named(name);
+  if (!found) {
+    throw StartupError("the second ship knows no scenario \"" + std::string(name) +
+                       "\"; choose calm, sea, pierson-moskowitz or thesis-wave");
+  }
+  world.second_ship = *found;
+  world.second_ship.significant_height_m = second_ship_height_m;
 }
 
 void LabConfig::refuse_beyond(const plant::PlatformLimits& limits, double seconds) const {

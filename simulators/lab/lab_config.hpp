@@ -46,6 +46,7 @@ struct LabConfig {
     std::optional<plant::WaveDirection> direction;
   };
   SeaWish sea;
+  double second_ship_height_m = 0.25;  ///< significant height of its random seas
 
   /// One simulated unit: where its datagrams come from, and the rest. Period and latency come from the world.
   struct Mru {
@@ -72,6 +73,9 @@ struct LabConfig {
   /// A scenario by name, a random sea as `sea` wishes it; or `csv:FILE`, a recording (see read_motion_csv).
   /// @throws StartupError that lists the names, or says what is wrong in the file
   void set_scenario(std::string_view name);
+  /// How EM1500 moves, a random sea as high as `second_ship_height_m` and drawn apart from the first ship's.
+  /// @throws StartupError that lists the names
+  void set_second_ship(std::string_view name);
   /// @throws StartupError when the ship's motion of the next `seconds` is more than the platform can do:
   /// which limit is exceeded by how much, and what would fit
   void refuse_beyond(const plant::PlatformLimits& limits, double seconds) const;

@@ -8,6 +8,8 @@ using Eigen::Vector3d;
 
 namespace {
 
+/// Two ships meet other waves of the same sea.
+constexpr std::uint64_t kSecondSea = 1'000'003;
 constexpr double kTick_s = seconds(World::kTick);
 
 ArmServoConfig slowed(ArmServoConfig arm, double factor) {
@@ -63,7 +65,7 @@ World::World(const WorldConfig& config, const Scenario& scenario, std::uint64_t 
       calibration_(disturbed(config.calibration, config.differences.calibration_offset_m,
                              config.differences.calibration_angle_rad, seed)),
       ship_(scenario, seed),
-      second_(platform_state(calibration_.world_to_em1500, {})),
+      second_ship_(config.second_ship, seed + kSecondSea),
       geometry_(config.arm_geometry),
       load_(config.load, config.arm_mode),
       arm_(slowed(config.arm, config.differences.joint_bandwidth_factor), config.home_rad, kTick_s),
@@ -147,7 +149,7 @@ WorldState World::sample(LabTime wanted) {
   WorldState s;
   s.t = t;
   s.platform = platform_at(t);
-  s.second = second_;
+  s.second = platform_state(calibration_.world_to_em1500, second_ship_.at(seconds(t - ship_starts_)));
   s.qdd_radps2 = arm_.qdd_radps2();
   for (std::size_t j = 0; j < s.q_rad.size(); ++j) {
     const auto c = cubic(begin_.q[j], begin_.qd[j], end_.q[j], end_.qd[j], kTick_s, x);

@@ -101,7 +101,7 @@ class World {
   LabTime ship_starts_;
   Calibration calibration_;
   CachedShipMotion ship_;
-  PlatformState second_;
+  CachedShipMotion second_ship_;
   math::CraneArm geometry_;
   Load load_;
   ArmServo arm_;

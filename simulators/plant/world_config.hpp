@@ -10,6 +10,7 @@
 #include "simulators/plant/encoder.hpp"
 #include "simulators/plant/load.hpp"
 #include "simulators/plant/mru_sensor.hpp"
+#include "simulators/plant/sea.hpp"
 #include "simulators/plant/winch_servo.hpp"
 
 namespace motionlab::plant {
@@ -41,6 +42,7 @@ struct WorldConfig {
   CameraConfig camera;
   EncoderConfig encoder;
   Differences differences;
+  Scenario second_ship;  ///< how EM1500 moves; calm: it stands still
 
   /// Belief is truth: no differences, a nearly rigid wire, a rigid arm, a point mass, white noise only.
   [[nodiscard]] WorldConfig as_believed() const;

@@ -70,13 +70,13 @@ void load_keeper_step(benchmark::State& state) {
   belief.calibration = test::published_calibration();
   estimator::LabEstimator estimator(belief);
   controller::LoadKeeper dut(keeper_config());
-  std::vector<controller::LoadKeeper::Inputs> inputs;
+  std::vector<controller::KeeperInputs> inputs;
   for (const auto& heard : recording()) {
-    controller::LoadKeeper::Inputs in;
+    controller::KeeperInputs in;
     in.t = in.t_send = heard.t;
     in.estimate = estimator.step(heard);
     if (heard.arm) in.arm = *heard.arm;
-    in.p_WL_reference = {0.847625, -0.407825, 3.919269};
+    in.reference.p_WL = {0.847625, -0.407825, 3.919269};
     in.engaged = in.estimate.valid;
     inputs.push_back(in);
   }

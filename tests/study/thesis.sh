@@ -41,7 +41,7 @@ refuses "choose one of: none, integral" --world thesis --scenario thesis-motion-
 refuses "choose one of: none, prefilter, integral, damper" --world thesis --scenario thesis-load-1 --controller ours
 refuses "--fault does not go with --world thesis" --world thesis --scenario thesis-load-1 --fault mru1:silent@1
 refuses "it is one of --world thesis" --scenario thesis-motion-5
-refuses "choose one of: ours, none" --controller prefilter
+refuses "choose one of: ours, integral, none" --controller prefilter
 refuses "choose one of: ours" --estimator ekf35
 refuses "--frame thesis does not go with --world lab" --frame thesis
 refuses "--gains text does not go with --world lab" --gains text

@@ -12,6 +12,7 @@
 #include "gateway/monitor/scorer.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "simulators/lab/settings.hpp"
+#include "simulators/lab/study/reference_plan.hpp"
 
 namespace motionlab::study {
 
@@ -41,7 +42,7 @@ int severity(topic::ModeState state) {
 class Watch {
  public:
   Watch(const service::GatewayConfig& gateway, LabTime last_from)
-      : limits_(gateway.limits), p_WL_reference_(gateway.p_world_load_reference_m), last_from_(last_from) {}
+      : limits_(gateway.limits), last_from_(last_from) {}
 
   void take(const topic::Mode& mode, LabOutcome& outcome) {
     outcome.engaged_at_end = mode.state == topic::ModeState::engaged;
@@ -50,8 +51,8 @@ class Watch {
     if (mode.fault_latched && outcome.fault_code.empty()) outcome.fault_code = mode.fault_code.view();
   }
 
-  void take(const topic::TruthWorld& truth, const plant::World& world, LabTime now,
-            LabOutcome& outcome) const {
+  void take(const topic::TruthWorld& truth, const topic::Reference& set, const plant::World& world,
+            LabTime now, LabOutcome& outcome) const {
     constexpr std::size_t kCraneJoints = 3;
     for (std::size_t j = 0; j < kCraneJoints; ++j) {
       outcome.beyond_angle_limit_rad =
@@ -62,16 +63,35 @@ class Watch {
     }
     if (now < last_from_) return;
     double squared = 0;
-    for (std::size_t i = 0; i < 3; ++i) squared += std::pow(truth.p_world_load_m[i] - p_WL_reference_[i], 2);
+    for (std::size_t i = 0; i < 3; ++i)
+      squared += std::pow(truth.p_world_load_m[i] - set.p_world_load_m[i], 2);
     outcome.last_load_error_max_m = std::max(outcome.last_load_error_max_m, std::sqrt(squared));
   }
 
  private:
   controller::GuardLimits limits_;
-  std::array<double, 3> p_WL_reference_;
   LabTime last_from_;
   bool was_engaged_ = false;
 };
+
+}  // namespace
+
+namespace {
+
+topic::ReferenceFrame frame_of(const LabRun& run) {
+  return run.reference_frame == "em1500" ? topic::ReferenceFrame::em1500 : topic::ReferenceFrame::world;
+}
+
+/// Where the load should truly be: the place the plan asks for, with the ship that carries it.
+topic::Reference set_point(const ReferencePlan& plan, LabTime t, const math::RigidTransform& X_WN,
+                           const plant::PlatformState& second) {
+  const ReferencePlan::Place place = plan.at(t);
+  Eigen::Vector3d p_WL = place.p_WL;
+  if (place.frame == topic::ReferenceFrame::em1500) p_WL = second.X_WB * (X_WN.inverse() * p_WL);
+  topic::Reference set;
+  Eigen::Map<Eigen::Vector3d>(set.p_world_load_m.data()) = p_WL;
+  return set;
+}
 
 }  // namespace
 
@@ -87,8 +107,16 @@ lockstep::Config configure(const LabRun& run) {
   config.lab = lab::LabConfig::load(world_toml, {}, settings.world);
   config.lab.set_scenario(run.scenario);
   config.lab.seed = run.seed;
-  config.lab.refuse_beyond(
-      run.limits == "plc" ? plant::PlatformLimits::plc() : plant::PlatformLimits::mechanical(), run.seconds);
+  if (!run.second_ship.empty()) {
+    config.lab.set_second_ship(run.second_ship);
+  } else if (frame_of(run) == topic::ReferenceFrame::em1500) {
+    config.lab.set_second_ship("sea");
+  }
+  if (!run.limits.empty()) config.gateway.platform_limits = run.limits;
+  config.lab.refuse_beyond(config.gateway.platform_limits == "plc" ? plant::PlatformLimits::plc()
+                                                                   : plant::PlatformLimits::mechanical(),
+                           run.seconds);
+  if (run.controller == "integral") config.gateway.law = service::ControlLaw::integral;
   const bool tracked = run.platform == "tracked";
   config.lab.set_platform_tracked(tracked);
   config.gateway.set_platform_tracked(tracked);
@@ -110,7 +138,8 @@ LabOutcome run_lab(const LabRun& run) {
   scoring.labels.sensors = run.sensors;
   scoring.labels.seed = run.seed;
   scoring.labels.platform = run.platform;
-  scoring.labels.limits = run.limits;
+  scoring.labels.limits = config.gateway.platform_limits;
+  scoring.labels.reference_frame = run.reference_frame;
   scoring.p_world_load_m = config.gateway.p_world_load_reference_m;
   scoring.t_start = LabTime{};
   scoring.score_from_s = run.score_from_s;
@@ -130,11 +159,15 @@ LabOutcome run_lab(const LabRun& run) {
   LabTime next_truth{};
   LabOutcome outcome;
   Watch watch(config.gateway, end - kLastWindow);
+  ReferencePlan plan(run.reference, frame_of(run),
+                     Eigen::Map<const Eigen::Vector3d>(config.gateway.p_world_load_reference_m.data()));
+  auto references = line.bus().advertise<topic::Reference>();
   while (line.now() < end) {
     if (!engaged && line.now() >= engage_at) {
       line.request(topic::ModeAction::engage);
       engaged = true;
     }
+    if (const auto reference = plan.next(line.now())) references.publish(*reference);
     line.step();
     if (const auto sample = mode.newer()) {
       scorer.take(*sample);
@@ -145,8 +178,11 @@ LabOutcome run_lab(const LabRun& run) {
     if (const auto sample = winch.newer()) scorer.take(*sample);
     if (line.now() >= next_truth) {
       const topic::TruthWorld truth = line.lab().truth();
+      const topic::Reference set = set_point(plan, line.now(), config.lab.world.calibration.world_to_em1500,
+                                             line.lab().state().second);
+      scorer.take(set);
       scorer.take(truth);
-      watch.take(truth, line.lab().world(), line.now(), outcome);
+      watch.take(truth, set, line.lab().world(), line.now(), outcome);
       next_truth += kTruthPeriod;
     }
   }

@@ -21,7 +21,11 @@ struct LabRun {
   std::string sensors = "real";
   std::string platform = "tracked";
   std::string differences = "on";
-  std::string limits = "mechanical";  ///< which the sea has to keep; or plc
+  std::string limits;              ///< which the sea has to keep, mechanical or plc; empty: as configured
+  std::string reference = "hold";  ///< see ReferencePlan
+  std::string reference_frame = "world";  ///< what carries the reference; or em1500
+  std::string second_ship;  ///< scenario of the second ship; empty: sea if it carries the reference, else as
+                            ///< configured
   std::vector<std::string> faults;    ///< as PlannedFault::parse takes them
   std::vector<std::string> settings;  ///< as Settings::parse takes them
   std::uint64_t seed = 1;

@@ -31,20 +31,26 @@ struct Options {
 };
 
 void list() {
-  std::cout << "scenarios    thesis-wave  the wave of the thesis, Tab 4.4 (default)\n"
-               "             sea          JONSWAP, Hs 0.5 m, Tp 7 s, drawn from the seed\n"
-               "             pierson-moskowitz  Hs 0.4 m, Tp 7 s, likewise\n"
-               "             calm         the ship rests\n"
-               "             csv:FILE     a recording: t_s, surge_m, sway_m, heave_m (down), roll_deg, "
-               "pitch_deg, yaw_deg\n"
-               "controllers  ours         keeps the load still (default)\n"
-               "             none         nothing is engaged; everything else runs\n"
-               "estimators   ours\n\n"
-            << thesis::describe()
-            << "\ntables       thesis       every printed number of the thesis beside ours\n"
-               "             robustness   what wrong beliefs, failures and a gust do to the load; 120 s each "
-               "unless told\n"
-               "             sources      which error the load's rest comes from; likewise\n";
+  std::cout
+      << "scenarios    thesis-wave  the wave of the thesis, Tab 4.4 (default)\n"
+         "             sea          JONSWAP, Hs 0.5 m, Tp 7 s, drawn from the seed\n"
+         "             pierson-moskowitz  Hs 0.4 m, Tp 7 s, likewise\n"
+         "             calm         the ship rests\n"
+         "             csv:FILE     a recording: t_s, surge_m, sway_m, heave_m (down), roll_deg, "
+         "pitch_deg, yaw_deg\n"
+         "controllers  ours         keeps the load still (default)\n"
+         "             integral     the thesis' integral controller, to compare with\n"
+         "             none         nothing is engaged; everything else runs\n"
+         "estimators   ours\n"
+         "references   hold         where lab.toml says (default)\n"
+         "             step         0.15 m in x and y, 0.2 m down, at 30, 50, 70 s, back at 90 s\n"
+         "             sine         0.12, 0.12, 0.1 m at 0.05, 0.07, 0.04 Hz from 30 s, told every 10 ms\n"
+         "             follow       a circle of 0.12 m in 30 s from 30 s, told every 100 ms\n\n"
+      << thesis::describe()
+      << "\ntables       thesis       every printed number of the thesis beside ours\n"
+         "             robustness   what wrong beliefs, failures and a gust do to the load; 120 s each "
+         "unless told\n"
+         "             sources      which error the load's rest comes from; likewise\n";
 }
 
 std::string report(const CLI::App& app, const Options& options) {
@@ -105,9 +111,18 @@ int main(int argc, char** argv) {
   app.add_option("--fault", options.lab.faults,
                  "DEVICE:FAULT[=VALUE]@FROM[..UNTIL] in s, e.g. mru1:silent@30")
       ->take_all();
-  app.add_option("--limits", options.lab.limits, "of the platform, which the sea has to keep")
-      ->check(CLI::IsMember({"mechanical", "plc"}))
+  app.add_option("--limits", options.lab.limits,
+                 "of the platform, which the sea has to keep; default: [limits] platform of lab.toml")
+      ->check(CLI::IsMember({"mechanical", "plc"}));
+  app.add_option("--reference", options.lab.reference,
+                 "where the load is asked to be: hold, step, sine or follow (--list)")
+      ->check(CLI::IsMember({"hold", "step", "sine", "follow"}))
       ->capture_default_str();
+  app.add_option("--reference-frame", options.lab.reference_frame, "what carries that place")
+      ->check(CLI::IsMember({"world", "em1500"}))
+      ->capture_default_str();
+  app.add_option("--second-ship", options.lab.second_ship,
+                 "its scenario; default: sea if it carries the reference, else as in world.toml");
   app.add_option("--set", options.lab.settings,
                  "world.KEY=VALUE or lab.KEY=VALUE over the files, e.g. world.load.mass_kg=36")
       ->take_all();

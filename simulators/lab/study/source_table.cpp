@@ -85,7 +85,7 @@ std::string source_table(const LabRun& base) {
       runs.push_back(std::move(alone));
     }
     const auto outcomes = run_labs(runs);
-    out << block.title() << ", seed " << base.seed << ", " << base.seconds
+    out << std::defaultfloat << block.title() << ", seed " << base.seed << ", " << base.seconds
         << " s: rms of swing/deg and load/mm\n"
         << "                           without it           alone\n"
         << std::fixed;

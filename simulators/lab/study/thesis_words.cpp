@@ -59,8 +59,8 @@ void refuse_thesis_words(const LabRun& lab, const ThesisWords& words) {
   if (thesis::find_scenario(lab.scenario) != nullptr) {
     refuse("--scenario " + lab.scenario, "lab", "it is one of --world thesis");
   }
-  if (lab.controller != "ours" && lab.controller != "none") {
-    refuse("--controller " + lab.controller, "lab", "choose one of: ours, none");
+  if (lab.controller != "ours" && lab.controller != "integral" && lab.controller != "none") {
+    refuse("--controller " + lab.controller, "lab", "choose one of: ours, integral, none");
   }
   if (lab.estimator != "ours") refuse("--estimator " + lab.estimator, "lab", "choose one of: ours");
   if (words.frame != "world") refuse("--frame " + words.frame, "lab", "choose one of: world");

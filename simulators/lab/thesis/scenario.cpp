@@ -56,7 +56,7 @@ struct Named {
 
 constexpr std::array kControllers{Named{"none", Controller::none}, Named{"prefilter", Controller::prefilter},
                                   Named{"integral", Controller::integral},
-                                  Named{"damper", Controller::damper}};
+                                  Named{"damper", Controller::damper}, Named{"ours", Controller::ours}};
 constexpr std::array kEstimators{Named{"ideal", Estimator::ideal}, Named{"kf4", Estimator::kf4},
                                  Named{"ekf4", Estimator::ekf4}, Named{"ekf10", Estimator::ekf10},
                                  Named{"ekf35", Estimator::ekf35}};
@@ -71,6 +71,7 @@ std::string_view name_of(const Table& table, Word value) {
 }
 
 bool goes(System system, Controller controller) {
+  if (controller == Controller::ours) return system != System::pendulum;
   return system != System::motion || controller == Controller::none || controller == Controller::integral;
 }
 
@@ -204,12 +205,17 @@ Run choose(const Request& request) {
   if (!request.controller.empty()) {
     run.controller = meaning(request.controller, kControllers, here, "--controller", name);
   }
-  run.estimator = own_estimator(system);
+  const bool ours = run.controller == Controller::ours;
+  run.estimator = ours ? Estimator::ideal : own_estimator(system);
   if (!request.estimator.empty()) {
-    run.estimator = meaning(request.estimator, kEstimators, here, "--estimator", name);
+    const auto beside = [&](Estimator e) { return ours ? e == Estimator::ideal : goes(system, e); };
+    run.estimator =
+        meaning(request.estimator, kEstimators, beside, "--estimator", ours ? "--controller ours" : name);
   }
   if (!request.frame.empty()) {
-    const auto on_ship = [system](Frame frame) { return frame == Frame::world || system == System::motion; };
+    const auto on_ship = [&](Frame frame) {
+      return frame == Frame::world || (system == System::motion && !ours);
+    };
     run.frame = meaning(request.frame, kFrames, on_ship, "--frame", name);
   }
   if (!request.gains.empty()) {
@@ -249,6 +255,7 @@ std::string describe() {
       "               integral          state feedback with integral (IC); the default but for "
       "thesis-motion-4\n"
       "               damper            virtual damper with PD or cascade (NL); pendulum, load\n"
+      "               ours              keeps the load still in the world; load, motion; sees the state\n"
       "  estimators   ideal             the law sees the state, at every stage of the integration\n"
       "               kf4, ekf4         pendulum (default: ekf4)\n"
       "               ekf10             load (default)\n"

@@ -14,7 +14,7 @@
 namespace motionlab::thesis {
 
 enum class System { pendulum, load, motion };
-enum class Controller { none, prefilter, integral, damper };
+enum class Controller { none, prefilter, integral, damper, ours };
 enum class Estimator { ideal, kf4, ekf4, ekf10, ekf35 };
 /// In which axes the swing equations are fed: the world's, or N's as in the thesis (heave upside down).
 enum class Frame { world, thesis };

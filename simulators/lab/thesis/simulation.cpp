@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "drivers/core/random.hpp"
+#include "gateway/controller/load_law.hpp"
+#include "gateway/controller/smooth_point.hpp"
 #include "gateway/controller/thesis_laws.hpp"
 #include "gateway/estimator/thesis_ekf10.hpp"
 #include "gateway/estimator/thesis_ekf35.hpp"
@@ -120,6 +122,7 @@ std::unique_ptr<controller::ThesisLoadLaw> load_law(const Run& run) {
     case Controller::damper:
       return std::make_unique<ThesisLoadDamper>();
     case Controller::integral:
+    case Controller::ours:  // has no law of this kind, see CraneRun::ours
       break;
   }
   if (run.scenario->system == System::load) {
@@ -149,6 +152,7 @@ class CraneRun {
   }
 
   void go() {
+    if (run_.controller == Controller::ours) return ours();
     switch (run_.estimator) {
       case Estimator::ekf10:
         return sampled(GroundEye(run_));
@@ -206,6 +210,46 @@ class CraneRun {
     }
   }
 
+  /// How fast the load hangs away from the tool point: d/dt of L lambda (Eq 3.49).
+  [[nodiscard]] Vector3d offset_rate(double t, const State& x) const {
+    const double sa = std::sin(x[6]), ca = std::cos(x[6]), sb = std::sin(x[7]), cb = std::cos(x[7]);
+    const Vector3d lambda(-sa, ca * sb, -ca * cb);
+    const Vector3d rate(-ca * x[8], ca * cb * x[9] - sa * sb * x[8], sa * cb * x[8] + ca * sb * x[9]);
+    return crane_.wire().speed_mps(t) * lambda + crane_.wire().length_m(t) * rate;
+  }
+
+  /// Our law moves a tool point in software, smoothly to where the thesis asks at once; the crane, which can
+  /// accelerate at will, follows it on the moving ship. The wire is the thesis', so height is the tool's
+  /// task.
+  void ours() {
+    constexpr double kFollow = 20.0;  // rad/s
+    controller::LoadLaw law({});
+    controller::SmoothPoint place({});
+    for (std::int64_t k = 0; k < steps_of(run_); ++k) {
+      const double t0 = static_cast<double>(k) * kStep;
+      const math::PointMotion tool = crane_.tool(t0, x_, Vector3d::Zero());
+      const Vector3d set = crane_.at_neutral(home_m() + reference_.at(k, t0));
+      if (k == 0) {
+        law.start(tool.p, tool.v, set.z());
+        place.reset(set);
+      }
+      place.step(kStep, set);
+      law.set_tool_height(place.p().z());
+      const double wire = crane_.wire().length_m(t0);
+      law.step(kStep, {.reference = {place.p() - wire * Vector3d::UnitZ(), place.v(), place.a()},
+                       .p_WL = crane_.p_WL(t0, x_),
+                       .v_WL = tool.v + offset_rate(t0, x_),
+                       .wire_length_m = wire});
+      const Vector3d a_WT =
+          law.a_WT() + 2 * kFollow * (law.v_WT() - tool.v) + kFollow * kFollow * (law.p_WT() - tool.p);
+      math::Matrix3d by_u;  // R_WR, for the acceleration in W is affine in the command
+      for (int i = 0; i < 3; ++i) by_u.col(i) = crane_.tool(t0, x_, Vector3d::Unit(i)).a - tool.a;
+      const Vector3d u = by_u.transpose() * (a_WT - tool.a);
+      show(k, x_, u);
+      x_ = math::rk4_step([&](double t, const State& x) { return crane_.rate(t, x, u); }, t0, x_, kStep);
+    }
+  }
+
   void show(std::int64_t k, const State& estimate, const Vector3d& u) const {
     const double t = static_cast<double>(k) * kStep;
     const Vector3d p_RT_set = home_m() + reference_.at(k, t);
@@ -236,6 +280,7 @@ std::unique_ptr<controller::ThesisPendulumLaw> pendulum_law(const Run& run) {
     case Controller::damper:
       return std::make_unique<ThesisPendulumDamper>();
     case Controller::none:
+    case Controller::ours:
       break;
   }
   return nullptr;

@@ -93,7 +93,7 @@ struct Bench {
   /// One millisecond: the keeper, perhaps a command, and the world in fine steps.
   void step() {
     const double t = 1e-6 * static_cast<double>(us);
-    LoadKeeper::Inputs in;
+    KeeperInputs in;
     in.t = LabTime{Nanoseconds{us * 1000}};
     const bool sends = us % 5000 == 0;
     in.t_send = LabTime{Nanoseconds{(us + 4999) / 5000 * 5000 * 1000}};
@@ -104,7 +104,7 @@ struct Bench {
       in.arm.q_rad[i] = joints[i].q();
       in.arm.qd_radps[i] = joints[i].qd();
     }
-    in.p_WL_reference = reference;
+    in.reference.p_WL = reference;
     in.engaged = engaged;
     const std::size_t before = test::allocations;
     wish = dut.step(in);
@@ -207,10 +207,10 @@ TEST(LoadKeeper, TheWinchBringsTheLoadToItsHeightAtABoundedSpeed) {
   b.seconds(0.1);
   const double at_reference = b.wish->wire_speed_mps;
   EXPECT_EQ(at_reference, 0);
-  LoadKeeper::Inputs in;
+  KeeperInputs in;
   in.estimate = b.estimate(0);
   in.engaged = true;
-  in.p_WL_reference = b.reference;
+  in.reference.p_WL = b.reference;
   const auto wire_speed = [&](double too_high) {
     LoadKeeper keeper(b.config);
     in.t = in.t_send = LabTime{1ms};

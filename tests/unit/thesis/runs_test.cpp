@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "drivers/core/error.hpp"
 #include "simulators/lab/thesis/metrics.hpp"
@@ -11,6 +12,8 @@
 
 namespace motionlab::thesis {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 Request request(const std::string& scenario, const std::string& controller = "",
                 const std::string& estimator = "") {
@@ -228,6 +231,36 @@ TEST(ThesisReference, StepsWhenItSays) {
   EXPECT_EQ(documented.at(60'000, 60.0), Eigen::Vector3d::Zero());
   EXPECT_EQ(published.at(9'500, 9.5), Eigen::Vector3d(0.4, 0.4, 0.2));
   EXPECT_EQ(published.at(20'000, 20.0), Eigen::Vector3d(-0.4, -0.4, 0.2));
+}
+
+TEST(ThesisScenario, OursSettlesOnTwoAndOnSixMetresWhereTheThesisDoesNot) {
+  for (const auto& [name, seconds] : {std::pair("thesis-load-1", 6.0), std::pair("thesis-load-4", 12.0)}) {
+    Request request;
+    request.scenario = name;
+    request.controller = "ours";
+    double late_rad = 0;
+    simulate(choose(request), [&, from = std::llround(1e3 * seconds)](const Sample& s) {
+      const bool between_steps = s.t_ms >= from && s.t_ms < 15'000;  // the next step comes at 15 s
+      if (between_steps) late_rad = std::max(late_rad, s.state.segment<2>(6).cwiseAbs().maxCoeff());
+    });
+    EXPECT_LT(late_rad, 1.0 * kDegree) << name;
+  }
+}
+
+TEST(ThesisScenario, OursKeepsTheLoadStillOnTheWave) {
+  Request request;
+  request.scenario = "thesis-motion-5";
+  request.controller = "ours";
+  double squares = 0, swing = 0;
+  int count = 0;
+  simulate(choose(request), [&](const Sample& s) {
+    if (s.t_ms < 20'000) return;
+    squares += (s.p_WL - s.p_WL_set).squaredNorm();
+    swing += s.state.segment<2>(6).squaredNorm();
+    ++count;
+  });
+  EXPECT_LT(std::sqrt(squares / count), 0.002) << "m; the thesis: 0.66";
+  EXPECT_LT(std::sqrt(swing / count), 0.1 * kDegree) << "the thesis: 4.7 degrees";
 }
 
 }  // namespace
