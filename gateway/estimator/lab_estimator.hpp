@@ -7,6 +7,7 @@
 #include "drivers/core/time.hpp"
 #include "gateway/estimator/arm_history.hpp"
 #include "gateway/estimator/belief.hpp"
+#include "gateway/estimator/innovations.hpp"
 #include "gateway/estimator/ship_axis.hpp"
 #include "gateway/math/moving_base.hpp"
 #include "gateway/math/sparse_kalman.hpp"
@@ -55,6 +56,10 @@ class LabEstimator {
   /// Measurements refused: by the gate, not finite or of impossible size, come too late to be used in order,
   /// stamped in the future, or taken while the MRU called itself unstable.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
+  /// What the filter was told against what it expected, of each kind of reading.
+  [[nodiscard]] const Innovations& innovations(Reading kind) const {
+    return innovations_[static_cast<std::size_t>(kind)];
+  }
 
  private:
   static constexpr int kAxes = 6;
@@ -68,6 +73,7 @@ class LabEstimator {
   static constexpr int kStates = kToolOffset + 3;
 
   using Filter = math::KalmanState<kStates>;
+  using Vector2d = Eigen::Vector2d;
   using Vector3d = Eigen::Vector3d;
 
   /// Index of a derivative of an axis: axes 0–2 are x, y, z in W, 3–5 roll, pitch, yaw.
@@ -100,17 +106,19 @@ class LabEstimator {
   void take(const topic::Mru& mru);
   void take_load(const topic::Bodies& load);
   void take_platform(const topic::Bodies& platform);
-  bool update(const math::SparseRow& row, double innovation, double sd);
+  bool update(Reading kind, const math::SparseRow& row, double innovation, double sd);
 
   [[nodiscard]] Vector3d triple(int derivative, int first_axis) const;
   [[nodiscard]] math::BodyMotion ship() const;
   [[nodiscard]] Tool tool(const math::BodyMotion& ship, const JointMotion& joints) const;
-  [[nodiscard]] double hanging_height(const Eigen::Vector2d& load, const Vector3d& p_WT) const;
-  /// How strongly a wire of this height pulls the load towards the tool, which rises with acceleration
-  /// `lift`.
-  [[nodiscard]] double stiffness(double height_m, double lift_mps2) const;
+  [[nodiscard]] double hanging_height(const Vector2d& load, const Vector3d& p_WT) const;
+  /// How strongly the wire pulls the load towards the tool, per distance [1/s²]: what holds it against
+  /// gravity and the tool's acceleration, and what bends its path.
+  [[nodiscard]] double stiffness(const Vector2d& load, const Vector2d& velocity,
+                                 const math::PointMotion& tool) const;
   void add_tool_terms(math::SparseRow& row, const Tool& tool, const Vector3d& weight) const;
   [[nodiscard]] topic::Estimate estimate_at(LabTime t);
+  void tell_deviations(topic::Estimate& out, const math::BodyMotion& ship, const Tool& tool) const;
 
   Belief belief_;
   ShipAxis axis_model_;
@@ -140,6 +148,7 @@ class LabEstimator {
   std::uint64_t winch_sequence_ = 0;
   std::array<Pending, 32> pending_{};
   std::uint64_t refused_ = 0;
+  std::array<Innovations, kReadings> innovations_{};
   std::uint64_t sequence_ = 0;
 };
 
