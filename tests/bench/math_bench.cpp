@@ -348,8 +348,8 @@ void control_step(Table& table, std::size_t calls) {
 int run(bool is_short) {
   Table table(is_short ? 1 : 11);
   bool all_same = kinematics(table, is_short ? 50 : 1000);
-  all_same &= filter_of_10(table, is_short ? 100 : 2000);
-  all_same &= filter_of_35(table, is_short ? 100 : 1000);
+  all_same &= filter_of_10(table, is_short ? 100 : 1000);
+  all_same &= filter_of_35(table, is_short ? 100 : 200);
   control_step(table, is_short ? 500 : 5000);
   std::printf("same results: %s, nothing allocated: %s, checksum %.6g\n", all_same ? "yes" : "NO",
               table.nothing_allocated() ? "yes" : "NO", sink);
