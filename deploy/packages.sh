@@ -13,11 +13,12 @@ build=(
   procps
 )
 test=(
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev
   cyclonedds-dev cyclonedds-tools # a stranger on the bus
   nodejs/node npm/npm             # a stranger's ADS client
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics
+  liborocos-bfl-dev               # other people's Kalman filters
   clang-format-14 shellcheck
 )
 

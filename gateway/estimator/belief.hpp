@@ -65,9 +65,24 @@ struct CameraBelief {
 /// The load on its wire.
 struct LoadBelief {
   double gravity_mps2 = 9.81;
-  double acceleration_noise = 2.0e-3;  ///< density of unmodelled horizontal acceleration [m/s²/√Hz]
-  double tool_offset_sd_m = 0.003;     ///< slow error of the tool point (calibration, wire length)
+  double acceleration_noise = 2.0e-3;        ///< density of unmodelled horizontal acceleration [m/s²/√Hz]
+  double swing_damping_doubt = 0.03;         ///< damping ratio that the swing may have; the model has none
+  double swing_damping_correlation_s = 1.0;  ///< how long what that makes of one swing errs one way
+  double tool_offset_sd_m = 0.003;           ///< slow error of the tool point (calibration, wire length)
   double tool_offset_correlation_s = 60.0;
+};
+
+/// How far to doubt what no measurement can correct: where the frames are bolted and how old the samples
+/// truly are. Added to the deviations that are reported; the filter, which weighs readings against each
+/// other, does not hear of it. Of each axis.
+struct SystematicDoubt {
+  double frame_sd_m = 0.0007;    ///< place of a mounting
+  double frame_sd_rad = 5.0e-4;  ///< angle of a mounting
+  double wire_length_sd_m = 0.002;
+  double age_sd_s = 0.003;  ///< of a sample when it arrives, against what is configured
+  /// Of yaw while only the load is seen: a turn about the tool and a shift of the ship look alike, and a
+  /// millimetre of slow error in the arm's motion on the ship passes for the difference.
+  double yaw_from_load_sd_rad = 0.0125;
 };
 
 struct Belief {
@@ -76,6 +91,7 @@ struct Belief {
   MruBelief mru;
   CameraBelief camera;
   LoadBelief load;
+  SystematicDoubt doubt;
   double fusion_delay_s = 0.012;  ///< how long a sample may be under way before its turn comes
   double gate_sigma = 8.0;        ///< innovations beyond this are refused
   bool use_platform_body = true;  ///< use the tracked body on the platform when it is seen

@@ -227,10 +227,17 @@ double LabEstimator::hanging_height(const Vector2d& load, const Vector3d& p_WT) 
   return std::sqrt(std::max(wire_length_m_ * wire_length_m_ - reach2, floor * floor));
 }
 
-double LabEstimator::stiffness(double height, double lift) const {
-  // The wire cannot push, and a lift beyond free fall upwards is a fault of the joint speeds.
+double LabEstimator::stiffness(const Vector2d& load, const Vector2d& velocity,
+                               const math::PointMotion& tool) const {
+  // The pull that keeps the wire's length: the second derivative of |p_WL − p_WT|² = L².
   const double g = belief_.load.gravity_mps2;
-  return std::clamp(g + lift, 0.0, 2 * g) / height;
+  const double h = hanging_height(load, tool.p);
+  const Vector2d d = load - tool.p.head<2>(), d_dot = velocity - tool.v.head<2>();
+  const double h_dot = (wire_length_m_ * wire_speed_mps_ - d.dot(d_dot)) / h;
+  const double bent = d_dot.squaredNorm() + h_dot * h_dot - wire_speed_mps_ * wire_speed_mps_;
+  const double pull = (h * (g + tool.a.z()) - d.dot(tool.a.head<2>()) + bent) / (d.squaredNorm() + h * h);
+  // The wire cannot push, and a pull beyond twice the weight is a fault of the joint speeds.
+  return std::clamp(pull, 0.0, 2 * g / h);
 }
 
 void LabEstimator::add_tool_terms(SparseRow& row, const Tool& tool, const Vector3d& weight) const {
@@ -264,8 +271,7 @@ void LabEstimator::predict(double dt) {
   // The load: pulled towards the tool, with the tool's place taken in the middle of the step.
   const Tool before = tool(ship(), arm_.at(t_));
   const Vector2d load = filter_.x.segment<2>(kLoad), velocity = filter_.x.segment<2>(kLoadVelocity);
-  const double height = hanging_height(load, before.motion.p);
-  const double stiff = stiffness(height, before.motion.a.z());
+  const double stiff = stiffness(load, velocity, before.motion);
   const Vector2d middle =
       load + 0.5 * dt * velocity - (before.motion.p + 0.5 * dt * before.motion.v).head<2>();
   const Vector2d acceleration = -stiff * middle;
@@ -308,13 +314,20 @@ void LabEstimator::predict(double dt) {
   add(kTiltError, 2, wander(belief_.mru.tilt_error_sd_rad, tilt_decay));
   add(kToolOffset, 3, wander(belief_.load.tool_offset_sd_m, offset_decay));
   add(kYawError, 1, belief_.mru.yaw_drift_rad_sqrt_s * belief_.mru.yaw_drift_rad_sqrt_s * dt);
-  add(kLoadVelocity, 2, belief_.load.acceleration_noise * belief_.load.acceleration_noise * dt);
+  // Noise on the load: a little always, and what its swing loses to air and wire, in proportion to its speed.
+  const auto square = [](double v) { return v * v; };
+  const double swing_speed = (velocity - before.motion.v.head<2>()).norm();
+  const double lost = 2 * belief_.load.swing_damping_doubt * std::sqrt(stiff) * swing_speed;
+  add(kLoadVelocity, 2,
+      dt * (square(belief_.load.acceleration_noise) +
+            square(lost) * belief_.load.swing_damping_correlation_s));
 }
 
-bool LabEstimator::update(const SparseRow& row, double innovation, double sd) {
-  const bool taken = filter_.update(row, innovation, sd * sd, belief_.gate_sigma);
-  if (!taken) ++refused_;
-  return taken;
+bool LabEstimator::update(Reading kind, const SparseRow& row, double innovation, double sd) {
+  const math::SparseUpdate update = filter_.update(row, innovation, sd * sd, belief_.gate_sigma);
+  innovations_[static_cast<std::size_t>(kind)].add(update);
+  if (!update) ++refused_;
+  return update.taken;
 }
 
 void LabEstimator::take(const topic::Mru& mru) {
@@ -323,7 +336,9 @@ void LabEstimator::take(const topic::Mru& mru) {
     return;
   }
   take_mru(mru, view(), mount_, belief_.mru, belief_.load.gravity_mps2,
-           [this](const SparseRow& row, double innovation, double sd) { update(row, innovation, sd); });
+           [this](Reading kind, const SparseRow& row, double innovation, double sd) {
+             update(kind, row, innovation, sd);
+           });
 }
 
 void LabEstimator::take_load(const topic::Bodies& body) {
@@ -333,7 +348,7 @@ void LabEstimator::take_load(const topic::Bodies& body) {
   for (int k = 0; k < 2; ++k) {
     SparseRow row;
     row.add(kLoad + k, 1.0);
-    taken &= update(row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
+    taken &= update(Reading::load_place, row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
   }
   load_refusals_ = taken ? 0 : load_refusals_ + 1;
   // Somebody pushed the load, or the first sighting was a wrong one: believe the cameras again.
@@ -347,7 +362,8 @@ void LabEstimator::take_load(const topic::Bodies& body) {
   add_tool_terms(row, tool_now, {-slope.x(), -slope.y(), 1.0});
   row.add(kLoad, slope.x());
   row.add(kLoad + 1, slope.y());
-  update(row, p_WL.z() - (tool_now.motion.p.z() - height), belief_.camera.load_height_sd_m);
+  update(Reading::load_height, row, p_WL.z() - (tool_now.motion.p.z() - height),
+         belief_.camera.load_height_sd_m);
 }
 
 void LabEstimator::take_platform(const topic::Bodies& body) {
@@ -360,9 +376,10 @@ void LabEstimator::take_platform(const topic::Bodies& body) {
   for (int i = 0; i < 3; ++i) {
     SparseRow place, turn;
     place.add(axis(i), 1.0);
-    update(place, offset[i] - filter_.x[axis(i)], belief_.camera.platform_sd_m);
+    update(Reading::platform_place, place, offset[i] - filter_.x[axis(i)], belief_.camera.platform_sd_m);
     turn.add(axis(3 + i), 1.0);
-    update(turn, wrapped(rpy[i] - filter_.x[axis(3 + i)]), belief_.camera.platform_sd_rad);
+    update(Reading::platform_angle, turn, wrapped(rpy[i] - filter_.x[axis(3 + i)]),
+           belief_.camera.platform_sd_rad);
   }
 }
 
@@ -406,10 +423,14 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
   const double dt = ahead / kSubsteps;
   for (int i = 0; i < kSubsteps; ++i) {
     const double f = (i + 0.5) / kSubsteps;
-    const Vector3d p_WT = (1 - f) * tool_then.motion.p + f * tool_now.motion.p;
-    const double lift = (1 - f) * tool_then.motion.a.z() + f * tool_now.motion.a.z();
+    const auto between = [f](const Vector3d& then, const Vector3d& now) {
+      return Vector3d((1 - f) * then + f * now);
+    };
+    const math::PointMotion motion{between(tool_then.motion.p, tool_now.motion.p),
+                                   between(tool_then.motion.v, tool_now.motion.v),
+                                   between(tool_then.motion.a, tool_now.motion.a)};
     const Vector2d middle = load + 0.5 * dt * load_velocity;
-    const Vector2d acceleration = -stiffness(hanging_height(middle, p_WT), lift) * (middle - p_WT.head<2>());
+    const Vector2d acceleration = -stiffness(middle, load_velocity, motion) * (middle - motion.p.head<2>());
     load += dt * load_velocity + 0.5 * dt * dt * acceleration;
     load_velocity += dt * acceleration;
   }
@@ -437,21 +458,48 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
                           (d_dot.y() * height - d.y() * height_dot) / side2};
   out.p_world_load_m = {load.x(), load.y(), p_WT.z() - height};
   out.v_world_load_mps = {load_velocity.x(), load_velocity.y(), tool_now.motion.v.z() - height_dot};
-  const auto sd = [this](int i) { return std::sqrt(std::max(filter_.P(i, i), 0.0)); };
+  tell_deviations(out, ship_now, tool_now);
+  return out;
+}
+
+void LabEstimator::tell_deviations(topic::Estimate& out, const math::BodyMotion& ship,
+                                   const Tool& tool) const {
+  const SystematicDoubt& doubt = belief_.doubt;
+  const auto square = [](double v) { return v * v; };
+  const double frame2 = square(doubt.frame_sd_m), turn2 = square(doubt.frame_sd_rad);
+  const double age2 = square(doubt.age_sd_s);
+  // A frame that is turned moves what is seen in it across the line of sight.
+  const auto seen_from_cameras = [&](const Vector3d& p_W, int k) {
+    const Vector3d lever = p_W - belief_.calibration.X_WQ.p;
+    return frame2 + turn2 * (lever.squaredNorm() - square(lever[k]));
+  };
+  const auto sd = [](double variance) { return std::sqrt(std::max(variance, 0.0)); };
+  const auto variance = [this](int i) { return filter_.P(i, i); };
+  const Vector3d v_WT_ship = math::carried(ship, {tool.p_BT, Vector3d::Zero(), Vector3d::Zero()}).v;
+  const Vector3d p_WL = vector(out.p_world_load_m), v_WL = vector(out.v_world_load_mps);
+  // Without its body the ship may be turned about the tool, and nobody would see.
+  const double yaw2 = out.platform_tracked ? 0.0 : square(doubt.yaw_from_load_sd_rad);
+  const Vector3d to_tool = tool.motion.p - ship.X_WB.p;
+  const Vector3d shifted2(yaw2 * square(to_tool.y()), yaw2 * square(to_tool.x()), 0.0);
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    out.p_world_platform_sd_m[k] = sd(axis(i));
-    out.euler_platform_sd_rad[k] = sd(axis(3 + i));
+    out.p_world_platform_sd_m[k] =
+        sd(variance(axis(i)) + shifted2[i] + seen_from_cameras(ship.X_WB.p, i) + age2 * square(ship.v_WB[i]));
+    // The unit's or the body's mounting on the ship, and that of the cameras.
+    out.euler_platform_sd_rad[k] = sd(variance(axis(3 + i)) + (i == 2 ? yaw2 : 0.0) + 2 * turn2 +
+                                      age2 * square(filter_.x[axis(3 + i, 1)]));
     SparseRow row;
-    add_tool_terms(row, tool_now, Vector3d::Unit(i));
-    double variance = 0;
+    add_tool_terms(row, tool, Vector3d::Unit(i));
+    double tool_variance = 0;
     for (const auto& a : row) {
-      for (const auto& b : row) variance += a.value * b.value * filter_.P(a.index, b.index);
+      for (const auto& b : row) tool_variance += a.value * b.value * filter_.P(a.index, b.index);
     }
-    out.p_world_tool_sd_m[k] = std::sqrt(std::max(variance, 0.0));
-    out.p_world_load_sd_m[k] = i < 2 ? sd(kLoad + i) : out.p_world_tool_sd_m[k];
+    const double seen = seen_from_cameras(p_WL, i);
+    const double along_wire = i == 2 ? square(doubt.wire_length_sd_m) : 0.0;
+    out.p_world_tool_sd_m[k] = sd(tool_variance + seen + along_wire + age2 * square(v_WT_ship[i]));
+    out.p_world_load_sd_m[k] =
+        sd((i < 2 ? variance(kLoad + i) : tool_variance) + seen + age2 * square(v_WL[i]));
   }
-  return out;
 }
 
 }  // namespace motionlab::estimator

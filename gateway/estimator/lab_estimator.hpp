@@ -7,6 +7,7 @@
 #include "drivers/core/time.hpp"
 #include "gateway/estimator/arm_history.hpp"
 #include "gateway/estimator/belief.hpp"
+#include "gateway/estimator/innovations.hpp"
 #include "gateway/estimator/second_ship.hpp"
 #include "gateway/estimator/ship_axis.hpp"
 #include "gateway/estimator/ship_states.hpp"
@@ -57,6 +58,10 @@ class LabEstimator {
   /// Measurements refused: by the gate, not finite or of impossible size, come too late to be used in order,
   /// stamped in the future, or taken while the MRU called itself unstable.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
+  /// What the filter was told against what it expected, of each kind of reading.
+  [[nodiscard]] const Innovations& innovations(Reading kind) const {
+    return innovations_[static_cast<std::size_t>(kind)];
+  }
 
  private:
   static constexpr int kAxes = ShipStates::kAxes;
@@ -70,6 +75,7 @@ class LabEstimator {
   static constexpr int kStates = kToolOffset + 3;
 
   using Filter = math::KalmanState<kStates>;
+  using Vector2d = Eigen::Vector2d;
   using Vector3d = Eigen::Vector3d;
 
   static constexpr int axis(int i, int derivative = 0) { return ShipStates::axis(i, derivative); }
@@ -101,7 +107,7 @@ class LabEstimator {
   void take(const topic::Mru& mru);
   void take_load(const topic::Bodies& load);
   void take_platform(const topic::Bodies& platform);
-  bool update(const math::SparseRow& row, double innovation, double sd);
+  bool update(Reading kind, const math::SparseRow& row, double innovation, double sd);
 
   [[nodiscard]] ShipView view() const { return {filter_.x.data(), mount_.X_WN.p, R_WD_}; }
   [[nodiscard]] Vector3d triple(int derivative, int first_axis) const {
@@ -109,13 +115,15 @@ class LabEstimator {
   }
   [[nodiscard]] math::BodyMotion ship() const { return view().motion(); }
   [[nodiscard]] Tool tool(const math::BodyMotion& ship, const JointMotion& joints) const;
-  [[nodiscard]] double hanging_height(const Eigen::Vector2d& load, const Vector3d& p_WT) const;
-  /// How strongly a wire of this height pulls the load towards the tool, which rises with acceleration
-  /// `lift`.
-  [[nodiscard]] double stiffness(double height_m, double lift_mps2) const;
+  [[nodiscard]] double hanging_height(const Vector2d& load, const Vector3d& p_WT) const;
+  /// How strongly the wire pulls the load towards the tool, per distance [1/s²]: what holds it against
+  /// gravity and the tool's acceleration, and what bends its path.
+  [[nodiscard]] double stiffness(const Vector2d& load, const Vector2d& velocity,
+                                 const math::PointMotion& tool) const;
   void add_tool_terms(math::SparseRow& row, const Tool& tool, const Vector3d& weight) const;
   void tell_second(topic::Estimate& out) const;
   [[nodiscard]] topic::Estimate estimate_at(LabTime t);
+  void tell_deviations(topic::Estimate& out, const math::BodyMotion& ship, const Tool& tool) const;
 
   Belief belief_;
   MruMount mount_;
@@ -147,6 +155,7 @@ class LabEstimator {
   std::uint64_t winch_sequence_ = 0;
   std::array<Pending, 32> pending_{};
   std::uint64_t refused_ = 0;
+  std::array<Innovations, kReadings> innovations_{};
   std::uint64_t sequence_ = 0;
 };
 

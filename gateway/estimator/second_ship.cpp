@@ -67,7 +67,7 @@ void SecondShip::step(LabTime t, const std::optional<topic::Mru>& mru) {
       constexpr double kGateSigma = 8.0;
       const ShipView ship(filter_.x.data(), mount_.X_WN.p, R_WD_);
       take_mru(*mru, ship, mount_, belief_, gravity_,
-               [this](const math::SparseRow& row, double innovation, double sd) {
+               [this](Reading, const math::SparseRow& row, double innovation, double sd) {
                  filter_.update(row, innovation, sd * sd, kGateSigma);
                });
     }

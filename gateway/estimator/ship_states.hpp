@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gateway/estimator/belief.hpp"
+#include "gateway/estimator/innovations.hpp"
 #include "gateway/estimator/ship_axis.hpp"
 #include "gateway/math/moving_base.hpp"
 #include "gateway/math/sparse_kalman.hpp"
@@ -61,8 +62,8 @@ class ShipView {
 }
 
 /// The nine measurements of a sample - angles, rates, unfiltered accelerations - one after the other, each as
-/// `update(row, innovation, standard deviation)`. The high-passed positions and velocities are not used: they
-/// hold nothing that the accelerations do not. `ship` is looked at anew after every update.
+/// `update(kind, row, innovation, standard deviation)`. The high-passed positions and velocities are not
+/// used: they hold nothing that the accelerations do not. `ship` is looked at anew after every update.
 template <class Update>
 void take_mru(const topic::Mru& mru, const ShipView& ship, const MruMount& mount, const MruBelief& belief,
               double gravity_mps2, Update&& update) {
@@ -92,7 +93,7 @@ void take_mru(const topic::Mru& mru, const ShipView& ship, const MruMount& mount
         predicted += H(i, j) * (ship[axis(3 + j, 0)] - rpy_B[j]);
       }
       row.add(error_index, 1.0);
-      update(row, wrapped(reading[i] - predicted), belief.angle_noise_rad);
+      update(Reading::mru_angle, row, wrapped(reading[i] - predicted), belief.angle_noise_rad);
     }
   }
   // Rates, in the unit's body frame.
@@ -114,7 +115,7 @@ void take_mru(const topic::Mru& mru, const ShipView& ship, const MruMount& mount
         predicted += on_angle(i, j) * (ship[axis(3 + j, 0)] - rpy[j]);
       }
       row.add(ShipStates::kRateBias + i, 1.0);
-      update(row, reading[i] - predicted, belief.rate_noise_radps);
+      update(Reading::mru_rate, row, reading[i] - predicted, belief.rate_noise_radps);
     }
   }
   // Accelerations in the unit's heading frame, of the point O that the unit takes for B's origin: its lever
@@ -147,7 +148,7 @@ void take_mru(const topic::Mru& mru, const ShipView& ship, const MruMount& mount
         row.add(ShipStates::kTiltError, gravity_mps2);
         predicted += gravity_mps2 * ship[ShipStates::kTiltError];
       }
-      update(row, reading[i] - predicted, belief.acceleration_noise_mps2);
+      update(Reading::mru_acceleration, row, reading[i] - predicted, belief.acceleration_noise_mps2);
     }
   }
 }

@@ -32,6 +32,14 @@ class SparseRow {
   std::size_t count_ = 0;
 };
 
+/// What one scalar measurement came to.
+struct SparseUpdate {
+  bool taken = false;  ///< false: beyond the gate, or not finite
+  double nis = 0;      ///< innovation² over its variance: 1 on average when the models hold
+
+  explicit operator bool() const { return taken; }
+};
+
 /// State x (N) and covariance P (N x N) of a Kalman filter.
 template <int N>
 struct KalmanState {
@@ -45,18 +53,19 @@ struct KalmanState {
   ///
   /// The update of P is the rank-one form P − r rᵀ with r = P hᵀ / √s, exactly symmetric by construction.
   /// @param gate  innovations larger than this many standard deviations are refused
-  /// @returns whether the measurement was taken in
-  bool update(const SparseRow& h, double innovation, double variance, double gate) {
+  /// @returns whether the measurement was taken in, and how far it was off for what was expected
+  SparseUpdate update(const SparseRow& h, double innovation, double variance, double gate) {
     Eigen::Matrix<double, N, 1> Ph = Eigen::Matrix<double, N, 1>::Zero();
     for (const auto& [index, value] : h) Ph.noalias() += value * P.col(index);
     double s = variance;
     for (const auto& [index, value] : h) s += value * Ph[index];
-    if (!(innovation * innovation <= gate * gate * s)) return false;
+    const double nis = innovation * innovation / s;
+    if (!(nis <= gate * gate && s > 0)) return {false, nis};
     const double root = std::sqrt(s);
     const Eigen::Matrix<double, N, 1> r = Ph / root;
     x.noalias() += (innovation / root) * r;
     P.noalias() -= r * r.transpose();
-    return true;
+    return {true, nis};
   }
 };
 
