@@ -297,13 +297,13 @@ void control_step(Table& table, std::size_t calls) {
   controller::LoadKeeperConfig config;
   config.arm = belief.calibration.arm;
   config.X_BR = belief.calibration.X_BR;
-  std::vector<controller::LoadKeeper::Inputs> told(calls);
+  std::vector<controller::KeeperInputs> told(calls);
   for (std::size_t i = 0; i < calls; ++i) {
     auto& in = told[i];
     in.t = in.t_send = heard[i].t;
     in.estimate = estimate(i);
     if (heard[i].arm) in.arm = *heard[i].arm;
-    in.p_WL_reference = {0.847625, -0.407825, 3.919269};
+    in.reference.p_WL = {0.847625, -0.407825, 3.919269};
     in.engaged = in.estimate.valid;
   }
   const controller::LoadKeeper new_keeper(config);
