@@ -11,6 +11,7 @@ build=(
   libtinyxml2-dev libsystemd-dev
   libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless/java # fastddsgen is a Java program
   procps
+  gnuplot-nox/gnuplot # motionlab-study --figures
 )
 test=(
   libgtest-dev libgmock-dev libbenchmark-dev
@@ -18,6 +19,7 @@ test=(
   nodejs/node npm/npm             # a stranger's ADS client
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics
+  libxml2-utils/xmllint           # judges the figures
   clang-format-14 shellcheck
 )
 
