@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "drivers/core/error.hpp"
@@ -70,8 +71,8 @@ const std::vector<Section>& sections() {
             "deg, the one in z does not.",
             [](LabRecordings&) { return load_steps("prefilter"); }},
            {"fig-4-33", "Fig 4.33", "Load, steps of 0.4 m: integral (IC)",
-            "As fast in x and y and without overshoot, while the load swings half as far, 1.2 deg; z takes "
-            "twice as long.",
+            "A little sooner settled in x and y and without overshoot, while the load swings half as far, "
+            "1.2 deg; z takes three times as long.",
             [](LabRecordings&) { return load_steps("integral"); }},
            {"fig-4-36", "Fig 4.36", "Load, steps of 0.4 m: virtual damper and cascade (NL)",
             "In y the damper overshoots by half the step and swings on for 15 s; height is not controlled "
@@ -88,8 +89,8 @@ const std::vector<Section>& sections() {
             "takes five times as long and moves the tool by more than 2 m, farther than the arm can reach.",
             [](LabRecordings&) { return load_scenario("thesis-load-1"); }},
            {"fig-5-5", "Fig 5.5", "Load, scenario 2 (steps, plumb): FPF, IC, NL",
-            "The integral throws the load least, the pre-filter is fastest, and the damper overshoots by "
-            "half the step in y.",
+            "The integral throws the load least and settles first in x and y, the pre-filter in z; the "
+            "damper overshoots by half the step in y.",
             [](LabRecordings&) { return load_scenario("thesis-load-2"); }},
            {"fig-5-6", "Fig 5.6", "Load, scenario 3 (sinus, plumb): FPF, IC, NL",
             "All three follow late, the integral latest and in z by a quarter less; the load lags by about "
@@ -97,8 +98,8 @@ const std::vector<Section>& sections() {
             [](LabRecordings&) { return load_scenario("thesis-load-3"); }},
            {"fig-5-7", "Fig 5.7", "Load, scenario 4 (steps, let go at 15/20 deg, wire 6 m): FPF, IC, NL",
             "On 6 m of wire, with gains and filter for 2 m, pre-filter and integral still calm the load, "
-            "slowly; under the virtual damper it swings farther and farther in y, with a tool far beyond the "
-            "arm's reach.",
+            "slowly; under the virtual damper it swings farther and farther in y, to 33 deg, the tool far "
+            "beyond the arm's reach.",
             [](LabRecordings&) { return load_scenario("thesis-load-4"); }},
        }},
       {"The arm on a ship",
@@ -125,7 +126,7 @@ const std::vector<Section>& sections() {
             "one of its axes moves the load in two of the world's.",
             [](LabRecordings&) { return motion_steps(); }},
            {"fig-5-8", "Fig 5.8", "Motion system, scenario 1 (ship at rest, let go at 15/20 deg): IC",
-            "The tool goes after the load by up to 0.3 m, and in 5 s the swing is below 1 deg.",
+            "The tool goes after the load by up to 0.3 m; after 5.3 s the swing stays below 1 deg.",
             [](LabRecordings&) { return motion_scenario("thesis-motion-1", {}); }},
            {"fig-5-9", "Fig 5.9", "Motion system, scenario 2 (ship at rest, steps, 15/20 deg): IC",
             "The offset dies out as in scenario 1; then every step in x or y throws the load by about 2 deg.",
@@ -157,8 +158,8 @@ const std::vector<Section>& sections() {
             "on the platform (tracked) and without (untracked).",
             [](LabRecordings& lab) { return lab_rest(lab, "thesis-wave", true); }},
            {"fig-5-13", "Fig 5.13", "Motion system, scenario 6 (wave, steps, 15/20 deg, moving wire): IC",
-            "Integral control follows the steps and calms the load's offset; then the load goes with the "
-            "ship and with the wire, up to 1.7 m from where it hangs at home.",
+            "Integral control follows the steps and calms the offset; then the load goes with the ship and "
+            "with the wire, which nothing makes up for.",
             [](LabRecordings&) {
               return motion_scenario("thesis-motion-6", {true, true, true});
             }},
@@ -203,6 +204,7 @@ void write_page(const std::filesystem::path& path, const std::vector<PageSection
 
 void write_figures(const std::filesystem::path& folder, const LabRun& lab) {
   make_folder(folder);
+  Gnuplot gnuplot(folder);
   LabRecordings recordings(lab);
   std::vector<PageSection> page;
   for (const Section& section : sections()) {
@@ -210,11 +212,12 @@ void write_figures(const std::filesystem::path& folder, const LabRun& lab) {
     for (const Figure& figure : section.figures) {
       Plot plot = figure.plot(recordings);
       plot.title = figure.title;
-      draw(plot, folder, std::string(figure.name));
+      gnuplot.draw(plot, std::string(figure.name));
       page.back().figures.push_back(
           {std::string(figure.name), std::string(figure.number), std::string(figure.seen), std::move(plot)});
     }
   }
+  gnuplot.finish();
   write_page(folder / "index.html", page);
 }
 

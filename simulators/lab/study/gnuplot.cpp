@@ -120,6 +120,13 @@ bool same_legend(const Panel& a, const Panel& b) {
   throw StartupError("cannot write " + path.string() + "; choose a folder that is writable");
 }
 
+int exit_status(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
 }  // namespace
 
 PlotSize size_of(const Plot& plot) {
@@ -174,36 +181,43 @@ std::string gnuplot_script(const Plot& plot) {
   return out + "unset multiplot\n";
 }
 
-void draw(const Plot& plot, const std::filesystem::path& folder, const std::string& name) {
-  const auto script = folder / (name + ".gp"), picture = folder / (name + ".svg");
+Gnuplot::~Gnuplot() {
+  if (child_ != 0) (void)exit_status(child_);
+}
+
+void Gnuplot::draw(const Plot& plot, const std::string& name) {
+  const auto script = folder_ / (name + ".gp"), picture = folder_ / (name + ".svg");
   std::ofstream file(script, std::ios::binary);
   file << gnuplot_script(plot);
   file.close();
   if (!file) cannot_write(script);
   // posix_spawn cannot tell a file that it could not open from a program that it could not find.
   if (!std::ofstream(picture, std::ios::binary)) cannot_write(picture);
+  finish();
 
   posix_spawn_file_actions_t files;
   ::posix_spawn_file_actions_init(&files);
   ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, script.c_str(), O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, picture.c_str(), O_WRONLY | O_TRUNC, 0);
-  // -d: nobody's start-up files.
   std::array<char, 8> program{"gnuplot"};
-  std::array<char, 3> option{"-d"};
-  const std::array<char*, 3> arguments{program.data(), option.data(), nullptr};
-  pid_t child = 0;
-  const int problem = ::posix_spawnp(&child, program.data(), &files, nullptr, arguments.data(), environ);
+  std::array<char, 3> own_settings_only{"-d"};
+  const std::array<char*, 3> arguments{program.data(), own_settings_only.data(), nullptr};
+  const int problem = ::posix_spawnp(&child_, program.data(), &files, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&files);
   if (problem != 0) {
+    child_ = 0;
     throw StartupError(std::string("cannot run gnuplot: ") + std::strerror(problem) +
                        "; install it (Debian: gnuplot-nox)");
   }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  drawing_ = script;
+}
+
+void Gnuplot::finish() {
+  if (child_ == 0) return;
+  const int status = exit_status(std::exchange(child_, 0));
   if (status != 0) {
-    throw StartupError("gnuplot could not draw " + script.string() +
-                       "; see what it says above, or run: gnuplot -d < " + script.string());
+    throw StartupError("gnuplot could not draw " + drawing_.string() +
+                       "; see what it says above, or run: gnuplot -d < " + drawing_.string());
   }
 }
 

@@ -14,7 +14,6 @@ namespace motionlab::study {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
-constexpr std::int64_t kPoints = 1200;
 constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
 
 template <class Value>
@@ -66,7 +65,7 @@ const LabRecording& LabRecordings::of(std::string_view scenario, std::string_vie
   LabRun run = base_;
   run.scenario = scenario;
   run.platform = platform;
-  const auto every = std::max<std::int64_t>(1, std::llround(run.seconds * 1e3) / kPoints);
+  const auto every = std::max<std::int64_t>(1, std::llround(run.seconds * 1e3) / kPlotPoints);
   std::int64_t seen = 0;
   recording.p_world_load_set_m = configure(run).gateway.p_world_load_reference_m;
   recording.outcome = run_lab(run, [&](const topic::TruthWorld& truth, const topic::Estimate* estimate) {

@@ -1,6 +1,7 @@
 /// @file  A figure before it is drawn: panels one below the other on one axis of time.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -48,6 +49,9 @@ struct Plot {
   std::vector<Panel> panels;
   std::vector<PlotEvent> events;
 };
+
+/// So many points a curve has, about: more than a screen has columns only make files large.
+constexpr std::int64_t kPlotPoints = 800;
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 

@@ -20,8 +20,6 @@ using thesis::Sample;
 using thesis::Scenario;
 
 constexpr double kDegree = std::numbers::pi / 180;
-/// More points than a screen has columns only make files large.
-constexpr std::int64_t kPoints = 1200;
 
 // What the figures ask for and no table of the thesis has.
 constexpr Scenario kSinusFromOffset{.name = "",
@@ -49,7 +47,7 @@ struct Recording {
 };
 
 Recording record(const Run& run) {
-  const auto every_ms = std::max<std::int64_t>(1, std::llround(run.duration_s * 1e3) / kPoints);
+  const auto every_ms = std::max<std::int64_t>(1, std::llround(run.duration_s * 1e3) / kPlotPoints);
   Recording recording;
   thesis::simulate(run, [&](const Sample& s) {
     if (s.t_ms % every_ms != 0) return;
@@ -201,7 +199,7 @@ double swing_deg(const Sample& s) {
 
 Plot pushed_pendulum(double wire_m) {
   using estimator::ThesisEkf4, estimator::ThesisKf4, estimator::ThesisKf4Form;
-  constexpr int kEvery = 20;
+  constexpr int kEvery = 25;
   constexpr double kPush_radps = 1.0;
   Plot plot;
   const auto watched = [&](auto filter, Curve angle, Curve error) {
