@@ -11,6 +11,7 @@ build=(
   libtinyxml2-dev libsystemd-dev
   libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless/java # fastddsgen is a Java program
   procps
+  gnuplot-nox/gnuplot # motionlab-study --figures
 )
 test=(
   libgtest-dev libgmock-dev
@@ -19,6 +20,7 @@ test=(
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics
   liborocos-bfl-dev               # other people's Kalman filters
+  libxml2-utils/xmllint           # judges the figures
   clang-format-14 shellcheck
 )
 

@@ -127,7 +127,7 @@ lockstep::Config configure(const LabRun& run) {
   return config;
 }
 
-LabOutcome run_lab(const LabRun& run) {
+LabOutcome run_lab(const LabRun& run, const LabObserver& observer) {
   const lockstep::Config config = configure(run);
   lockstep::Lockstep line(config);
 
@@ -153,6 +153,7 @@ LabOutcome run_lab(const LabRun& run) {
   auto mode = line.bus().reader<topic::Mode>();
   auto arm = line.bus().reader<topic::ArmState>(config.gateway.comau.driver.device);
   auto winch = line.bus().reader<topic::WinchState>(config.gateway.winch.driver.device);
+  const auto estimate = line.bus().reader<topic::Estimate>();
   const LabTime end = LabTime{} + from_seconds(run.seconds);
   const LabTime engage_at = LabTime{} + from_seconds(run.engage_at_s);
   bool engaged = run.controller == "none";
@@ -183,6 +184,10 @@ LabOutcome run_lab(const LabRun& run) {
       scorer.take(set);
       scorer.take(truth);
       watch.take(truth, set, line.lab().world(), line.now(), outcome);
+      if (observer) {
+        const auto newest = estimate.newest();
+        observer(truth, newest ? &*newest : nullptr);
+      }
       next_truth += kTruthPeriod;
     }
   }

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "gateway/monitor/report.hpp"
+#include "idl/estimate.hpp"
 #include "idl/mode.hpp"
+#include "idl/truth_world.hpp"
 #include "simulators/lab/lockstep/lockstep.hpp"
 
 namespace motionlab::study {
@@ -51,8 +54,11 @@ struct LabOutcome {
 /// Files, names and differences put together. @throws StartupError with what to write instead
 [[nodiscard]] lockstep::Config configure(const LabRun& run);
 
+/// Sees a run go by: the truth of every millisecond, and the newest estimate, null before the first.
+using LabObserver = std::function<void(const topic::TruthWorld&, const topic::Estimate*)>;
+
 /// Runs it on a virtual clock: the same run gives the same bytes. @throws StartupError
-[[nodiscard]] LabOutcome run_lab(const LabRun& run);
+[[nodiscard]] LabOutcome run_lab(const LabRun& run, const LabObserver& observer = {});
 
 /// Runs many, two at a time; the outcomes are those of `run_lab`, in order.
 [[nodiscard]] std::vector<LabOutcome> run_labs(const std::vector<LabRun>& runs);

@@ -2,13 +2,16 @@
 /// run.
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <string>
 
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/report.hpp"
+#include "simulators/lab/study/figures.hpp"
 #include "simulators/lab/study/lab_run.hpp"
+#include "simulators/lab/study/option_words.hpp"
 #include "simulators/lab/study/robustness_table.hpp"
 #include "simulators/lab/study/source_table.hpp"
 #include "simulators/lab/study/thesis_words.hpp"
@@ -27,6 +30,7 @@ struct Options {
   study::ThesisWords thesis;
   bool list = false;
   std::string table;
+  std::string figures;
   std::string report;
 };
 
@@ -50,7 +54,15 @@ void list() {
       << "\ntables       thesis       every printed number of the thesis beside ours\n"
          "             robustness   what wrong beliefs, failures and a gust do to the load; 120 s each "
          "unless told\n"
-         "             sources      which error the load's rest comes from; likewise\n";
+         "             sources      which error the load's rest comes from; likewise\n\n"
+      << study::describe_figures();
+}
+
+void write_figures(const CLI::App& app, const Options& options) {
+  study::allow_only(app, "figures", "--figures",
+                    {"seed", "seconds", "set", "config", "world-config", "differences", "sensors", "limits"});
+  study::write_figures(options.figures, options.lab);
+  std::cout << "open " << (std::filesystem::path(options.figures) / "index.html").string() << '\n';
 }
 
 std::string report(const CLI::App& app, const Options& options) {
@@ -79,7 +91,7 @@ int main(int argc, char** argv) {
       "virtual "
       "clock. The same options give the same bytes."};
   app.footer("Example: motionlab-study --scenario sea --seed 3 --seconds 120 --report report.json");
-  app.add_flag("--list", options.list, "list scenarios, controllers and estimators");
+  app.add_flag("--list", options.list, "list scenarios, controllers, estimators, tables and figures");
   app.add_option("--scenario", options.lab.scenario, "thesis-wave, sea, pierson-moskowitz, calm or csv:FILE")
       ->capture_default_str();
   app.add_option("--controller", options.lab.controller, "ours or none; --list shows those of the thesis")
@@ -91,6 +103,9 @@ int main(int argc, char** argv) {
   options.thesis.add_to(app);
   app.add_option("--table", options.table, "print a table and exit")
       ->check(CLI::IsMember({"thesis", "robustness", "sources"}));
+  app.add_option("--figures", options.figures,
+                 "write the thesis' result figures, ours beside them, and index.html into this folder; seed, "
+                 "seconds, files and differences are those of ours");
   app.add_option("--sensors", options.lab.sensors, "real, or ideal: no noise, bias or drift")
       ->check(CLI::IsMember({"ideal", "real"}))
       ->capture_default_str();
@@ -136,6 +151,10 @@ int main(int argc, char** argv) {
   try {
     if (options.list) {
       list();
+      return 0;
+    }
+    if (!options.figures.empty()) {
+      write_figures(app, options);
       return 0;
     }
     const std::string text = answer(app, options);

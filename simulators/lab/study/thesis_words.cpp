@@ -1,10 +1,7 @@
 #include "simulators/lab/study/thesis_words.hpp"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
-
 #include "drivers/core/error.hpp"
+#include "simulators/lab/study/option_words.hpp"
 
 namespace motionlab::study {
 namespace {
@@ -27,19 +24,9 @@ void ThesisWords::add_to(CLI::App& app) {
 }
 
 thesis::Request thesis_request(const CLI::App& app, const LabRun& lab, const ThesisWords& words) {
-  constexpr std::array<std::string_view, 13> kKnown{
-      "help",     "list",       "table",     "report",  "world",   "frame", "gains",
-      "scenario", "controller", "estimator", "sensors", "seconds", "seed"};
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_single_name();
-    const bool known = std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
-    if (!known && option->count() > 0) {
-      refuse(
-          "--" + name, "thesis",
-          "these do: --scenario, --controller, --estimator, --frame, --gains, --sensors, --seconds, --seed, "
-          "--report");
-    }
-  }
+  allow_only(
+      app, "world", "--world thesis",
+      {"scenario", "controller", "estimator", "frame", "gains", "sensors", "seconds", "seed", "report"});
   const auto given = [&app](const char* option, const std::string& word) {
     return app.count(option) > 0 ? word : std::string();
   };

@@ -52,7 +52,7 @@ void MetricsCollector::take(const Sample& s) {
   sums_.load_rms_z_m += load.z() * load.z();
   sums_.command_max_mps2 = std::max(sums_.command_max_mps2, s.command.cwiseAbs().maxCoeff());
   sums_.command_rms_mps2 += s.command.squaredNorm();
-  sums_.angle_estimate_rms_deg += (s.estimate.segment<2>(6) - swing).squaredNorm();
+  sums_.angle_estimate_rms_deg += (s.sight.estimate.segment<2>(6) - swing).squaredNorm();
 
   const auto close = [this] {
     if (outside_ms_ < 0) return;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "gateway/math/integrate.hpp"
 #include "simulators/plant/thesis_pendulum.hpp"
@@ -19,8 +20,9 @@ struct PushedErrors {
 /// Starts at 20 deg, which the filter does not know, and pushes with sin(omega t) m/s²; measurements are
 /// exact. Errors are of what the filter predicts for t, before it is told of t.
 /// @param wire_length_m  what the load really hangs on
-template <class Filter>
-[[nodiscard]] PushedErrors push_pendulum(Filter filter, double wire_length_m, double omega_radps) {
+/// @param watch          called every millisecond with its number, the true state and the predicted one
+template <class Filter, class Watch>
+PushedErrors push_pendulum(Filter filter, double wire_length_m, double omega_radps, const Watch& watch) {
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr int kSteps = 20'000, kLate = 10'000;
   const plant::ThesisPendulum pendulum(wire_length_m);
@@ -28,6 +30,7 @@ template <class Filter>
   double angle = 0, late_angle = 0, late_rate = 0;
   for (int k = 0; k < kSteps; ++k) {
     const double t = 1e-3 * k, u = std::sin(omega_radps * t);
+    watch(k, x, filter.state().x);
     const Eigen::Vector4d error = (filter.state().x - x) / kDegree;
     angle += error[2] * error[2];
     if (k >= kLate) {
@@ -40,6 +43,13 @@ template <class Filter>
   }
   return {std::sqrt(angle / kSteps), std::sqrt(late_angle / (kSteps - kLate)),
           std::sqrt(late_rate / (kSteps - kLate))};
+}
+
+/// The same, unwatched.
+template <class Filter>
+[[nodiscard]] PushedErrors push_pendulum(Filter filter, double wire_length_m, double omega_radps) {
+  return push_pendulum(std::move(filter), wire_length_m, omega_radps,
+                       [](int, const Eigen::Vector4d&, const Eigen::Vector4d&) {});
 }
 
 }  // namespace motionlab::thesis

@@ -60,11 +60,12 @@ class GroundEye {
     variances_.tail<2>().setConstant(std::pow(believed.measurement_deviation_angle_rad, 2));
   }
 
-  State see(const ThesisCrane&, double, const State& x) {
+  Sight see(const ThesisCrane&, double, const State& x) {
     estimator::ThesisEkf10::Measurement exact;
     exact << x.head<3>(), x.segment<2>(6);
-    filter_.update(noise_.on(exact, variances_));
-    return filter_.state().x;
+    const estimator::ThesisEkf10::Measurement measured = noise_.on(exact, variances_);
+    filter_.update(measured);
+    return {filter_.state().x, measured.tail<2>()};
   }
   void go_on(const ThesisCrane&, double, const Vector3d& u) { filter_.predict(u); }
 
@@ -82,17 +83,19 @@ class ShipEye {
   ShipEye(const Run& run, const ThesisCrane& crane)
       : noise_(run), filter_(belief(run.frame), home_m(), crane.wire().length_m(0)) {}
 
-  State see(const ThesisCrane& crane, double t, const State& x) {
+  Sight see(const ThesisCrane& crane, double t, const State& x) {
     const plant::ShipCoordinates ship = crane.ship(t);
     const math::Matrix3d T = math::euler_zyx_rates_to_body(ship.eta.tail<3>());
     Filter::Measurement exact;
     exact << ship.eta, ship.eta_dot.head<3>(), T * ship.eta_dot.tail<3>(), x.head<6>(),
         crane.wire().length_m(t), x.tail<4>();
-    filter_.update(noise_.on(exact, filter_.measurement_variances()));
+    const Filter::Measurement measured = noise_.on(exact, filter_.measurement_variances());
+    filter_.update(measured);
     const Filter::State& all = filter_.state().x;
     State seen;
     seen << all.segment<6>(Filter::kP), all.segment<4>(Filter::kPhi);
-    return seen;
+    constexpr Eigen::Index kSwingRow = 19;  // of kRows, where phi is
+    return {seen, measured.segment<2>(kSwingRow), measured.head<6>(), all.segment<6>(Filter::kEta)};
   }
   void go_on(const ThesisCrane& crane, double t, const Vector3d& u) {
     filter_.predict(Vector4d(u.x(), u.y(), u.z(), crane.wire().length_m(t)));
@@ -179,7 +182,8 @@ class CraneRun {
     using Both = Eigen::Matrix<double, 14, 1>;
     for (std::int64_t k = 0; k < steps_of(run_); ++k) {
       const double t0 = static_cast<double>(k) * kStep;
-      show(k, x_, law_->command(about_home(x_), memory_, reference_.at(k, t0)));
+      const Eigen::Matrix<double, 6, 1> eta = crane_.ship(t0).eta;
+      show(k, {x_, x_.segment<2>(6), eta, eta}, law_->command(about_home(x_), memory_, reference_.at(k, t0)));
       const auto rate = [&](double t, const Both& both) {
         const State x = both.head<10>(), seen = about_home(x);
         const Memory memory = both.tail<4>();
@@ -200,10 +204,11 @@ class CraneRun {
   void sampled(Eye eye) {
     for (std::int64_t k = 0; k < steps_of(run_); ++k) {
       const double t0 = static_cast<double>(k) * kStep;
-      const State estimate = eye.see(crane_, t0, x_), seen = about_home(estimate);
+      const Sight sight = eye.see(crane_, t0, x_);
+      const State seen = about_home(sight.estimate);
       const Vector3d r = reference_.at(k, t0);
       const Vector3d u = law_->command(seen, memory_, r);
-      show(k, estimate, u);
+      show(k, sight, u);
       memory_ += kStep * law_->memory_rate(seen, memory_, r);
       x_ = math::rk4_step([&](double t, const State& x) { return crane_.rate(t, x, u); }, t0, x_, kStep);
       eye.go_on(crane_, t0, u);
@@ -245,18 +250,19 @@ class CraneRun {
       math::Matrix3d by_u;  // R_WR, for the acceleration in W is affine in the command
       for (int i = 0; i < 3; ++i) by_u.col(i) = crane_.tool(t0, x_, Vector3d::Unit(i)).a - tool.a;
       const Vector3d u = by_u.transpose() * (a_WT - tool.a);
-      show(k, x_, u);
+      const Eigen::Matrix<double, 6, 1> eta = crane_.ship(t0).eta;
+      show(k, {x_, x_.segment<2>(6), eta, eta}, u);
       x_ = math::rk4_step([&](double t, const State& x) { return crane_.rate(t, x, u); }, t0, x_, kStep);
     }
   }
 
-  void show(std::int64_t k, const State& estimate, const Vector3d& u) const {
+  void show(std::int64_t k, const Sight& sight, const Vector3d& u) const {
     const double t = static_cast<double>(k) * kStep;
     const Vector3d p_RT_set = home_m() + reference_.at(k, t);
     const Vector3d p_WT_set = crane_.at_neutral(p_RT_set);
     const double wire = crane_.wire().length_m(t);
-    observer_({k, x_, estimate, p_RT_set, u, crane_.tool(t, x_, u).p, crane_.p_WL(t, x_), p_WT_set,
-               p_WT_set - wire * Vector3d::UnitZ(), wire, crane_.wire().speed_mps(t)});
+    observer_({k, x_, sight, p_RT_set, u, crane_.tool(t, x_, u).p, crane_.p_WL(t, x_), p_WT_set,
+               p_WT_set - wire * Vector3d::UnitZ(), wire, crane_.wire().speed_mps(t), crane_.ship(t).eta});
   }
 
   const Run& run_;
@@ -323,7 +329,7 @@ class PendulumRun {
     using Both = Eigen::Matrix<double, 5, 1>;
     for (std::int64_t k = 0; k < steps_of(run_); ++k) {
       const double t0 = static_cast<double>(k) * kStep;
-      show(k, x_, command(t0, k, x_, memory_));
+      show(k, x_, x_[2], command(t0, k, x_, memory_));
       const auto rate = [&](double t, const Both& both) {
         const Vector4d x = both.head<4>();
         const Scalar memory = both.tail<1>();
@@ -345,10 +351,11 @@ class PendulumRun {
     const Eigen::Vector2d variances = estimator::ThesisFilter4Config{}.measurement_variance;
     for (std::int64_t k = 0; k < steps_of(run_); ++k) {
       const double t0 = static_cast<double>(k) * kStep;
-      filter.update(noise.on(Eigen::Vector2d(x_[0], x_[2]), variances));
+      const Eigen::Vector2d measured = noise.on(Eigen::Vector2d(x_[0], x_[2]), variances);
+      filter.update(measured);
       const Vector4d seen = filter.state().x;
       const double u = command(t0, k, seen, memory_);
-      show(k, seen, u);
+      show(k, seen, measured[1], u);
       memory_ += kStep * memory_rate(t0, k, seen, memory_);
       x_ = math::rk4_step([&](double, const Vector4d& x) { return pendulum_.rate(x, u); }, t0, x_, kStep);
       filter.predict(u);
@@ -361,12 +368,20 @@ class PendulumRun {
     return s;
   }
 
-  void show(std::int64_t k, const Vector4d& estimate, double u) const {
+  void show(std::int64_t k, const Vector4d& estimate, double angle_measured, double u) const {
     const Vector3d set = reference_.at(k, static_cast<double>(k) * kStep);
     const double L = pendulum_.length_m();
     const Vector3d p_WT(x_[0], 0, 0);
-    observer_({k, in_space(x_), in_space(estimate), set, Vector3d(u, 0, 0), p_WT,
-               p_WT + L * Vector3d(std::sin(x_[2]), 0, -std::cos(x_[2])), set, set - L * Vector3d::UnitZ(), L,
+    observer_({k,
+               in_space(x_),
+               {in_space(estimate), Eigen::Vector2d(angle_measured, 0)},
+               set,
+               Vector3d(u, 0, 0),
+               p_WT,
+               p_WT + L * Vector3d(std::sin(x_[2]), 0, -std::cos(x_[2])),
+               set,
+               set - L * Vector3d::UnitZ(),
+               L,
                0.0});
   }
 
