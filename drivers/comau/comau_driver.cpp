@@ -143,19 +143,13 @@ void ComauDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received)
     return;
   }
   const Result<Answer> answer = decode_answer(datagram);
-  if (!answer) {
-    health_.rejected(answer.fault());
-    return;
-  }
+  if (!answer) return refuse(answer.fault(), t_received);
   const Result<WrappingCounter::Step> step = judge_counter(answer->frame_counter, t_received);
-  if (!step) {
-    health_.rejected(step.fault());
-    return;
-  }
+  if (!step) return refuse(step.fault(), t_received);
   const Nanoseconds passed = passed_since_last(*answer, *step, t_received);
   if (const Status possible = posture_.check(*answer, passed); !possible) {
-    health_.rejected(possible.fault());
-    return;
+    response_.reset();  // across such a jump nothing can be said of motion
+    return refuse(possible.fault(), t_received);
   }
   posture_.accept(*answer);
   const LabTime t_measured = place_in_time(*answer, *step, t_received);
@@ -171,6 +165,11 @@ void ComauDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received)
   state_.q_rad = answer->q_rad;
   state_.qd_radps = answer->qd_radps;
   if (on_state_) on_state_(state_);
+}
+
+void ComauDriver::refuse(Fault fault, LabTime t_received) noexcept {
+  health_.rejected(fault);
+  t_refused_ = t_received;
 }
 
 Result<WrappingCounter::Step> ComauDriver::judge_counter(std::uint32_t frame_counter,
@@ -229,6 +228,8 @@ LabTime ComauDriver::place_in_time(const Answer& answer, WrappingCounter::Step s
     const auto asked = static_cast<long long>(sent_ - sent_at_last_frame_);
     health_.lost(static_cast<std::uint64_t>(std::max(0LL, std::min(periods, asked) - 1)));
   }
+  // A cycle that stood still has lost that time.
+  if (unchanged_answers_ >= config_.frozen_after_answers) clock_.reset();
   unchanged_answers_ = 0;
   sent_at_last_frame_ = sent_;
   // 0.4 ms, in whole nanoseconds.
@@ -277,6 +278,10 @@ std::string_view ComauDriver::advice(LabTime now) const noexcept {
   if (unchanged_answers_ >= config_.frozen_after_answers) {
     return "The robot's control cycle stands still: look for a Power Link Error and restart the robot "
            "program.";
+  }
+  if (silent(now) && t_refused_ && now - *t_refused_ <= from_seconds(config_.silent_after_s)) {
+    return "Answers come from the robot computer and all are refused: which program runs there? The reasons "
+           "are counted.";
   }
   if (silent(now)) {
     return health_.received() > 0

@@ -107,7 +107,7 @@ class ComauDriver {
   [[nodiscard]] std::uint64_t stale_commands() const noexcept { return stale_commands_; }
   /// Slots of the schedule in which nothing left because `step` came too late.
   [[nodiscard]] std::uint64_t missed_slots() const noexcept { return missed_slots_; }
-  /// False while the frame counter stands still or no answer comes; false before the first answer.
+  /// False while the frame counter stands still or the newest measurement is too old; false before the first.
   [[nodiscard]] bool feedback_fresh(LabTime now) const noexcept;
   /// Laboratory time minus the robot computer's time in use; 0 before the first answer.
   [[nodiscard]] double clock_offset_s() const noexcept { return clock_.offset_s(); }
@@ -128,6 +128,7 @@ class ComauDriver {
   void keep_schedule(LabTime now) noexcept;
   [[nodiscard]] std::string_view advice(LabTime now) const noexcept;
   [[nodiscard]] bool blind(LabTime now) const noexcept;
+  void refuse(Fault fault, LabTime t_received) noexcept;
   [[nodiscard]] Result<WrappingCounter::Step> judge_counter(std::uint32_t frame_counter,
                                                             LabTime t_received) noexcept;
   [[nodiscard]] Nanoseconds passed_since_last(const Answer& answer, WrappingCounter::Step step,
@@ -165,6 +166,7 @@ class ComauDriver {
   WrappingCounter frames_;
   std::uint64_t sent_at_last_frame_ = 0;
   int unchanged_answers_ = 0;
+  std::optional<LabTime> t_refused_;
   std::optional<Jump> jump_;
   PostureCheck posture_;
   ResponseWatch response_;

@@ -24,6 +24,7 @@ void ResponseWatch::step(const std::array<float, kJointCount>& qd_sent_radps, co
     q_before_rad_ = q_watched_rad_ = q_measured_rad;
     return;
   }
+  learnt_s_ += dt_s;
   watch_whether(qd_sent_radps, q_measured_rad, dt_s);
   watch_how_much(qd_sent_radps, q_measured_rad, dt_s);
   q_before_rad_ = q_measured_rad;
@@ -69,7 +70,8 @@ void ResponseWatch::watch_how_much(const std::array<float, kJointCount>& qd_sent
 }
 
 double ResponseWatch::share() const noexcept {
-  return wanted_squared_ < kEnough_rad2 ? 1.0 : wanted_measured_ / wanted_squared_;
+  return learnt_s_ < config_.memory_s || wanted_squared_ < kEnough_rad2 ? 1.0
+                                                                        : wanted_measured_ / wanted_squared_;
 }
 
 }  // namespace motionlab::comau

@@ -33,7 +33,7 @@ class ResponseWatch {
   void reset() noexcept { *this = ResponseWatch{config_}; }
 
   [[nodiscard]] bool ignored() const noexcept { return ignored_; }
-  /// Measured over wanted motion; 1 while too little was wanted to tell.
+  /// Measured over wanted motion; 1 until `memory_s` was watched and while too little is wanted to tell.
   [[nodiscard]] double share() const noexcept;
 
  private:
@@ -53,6 +53,7 @@ class ResponseWatch {
   bool ignored_ = false;
 
   // How much of what was wanted.
+  double learnt_s_ = 0.0;
   Joints lagged_radps_{};
   double wanted_measured_ = 0.0;
   double wanted_squared_ = 0.0;

@@ -60,13 +60,13 @@ struct Answer {
   std::optional<ReportedLimits> limits{};  ///< of the long form alone
 };
 
-/// The bytes of one answer, of either form.
+/// The bytes of one answer, of either form; a range, so that a span can be taken of it.
 class AnswerBytes {
  public:
   explicit AnswerBytes(const Answer& answer) noexcept;
-  operator Bytes() const noexcept { return Bytes{bytes_}.first(size_); }
-  [[nodiscard]] auto begin() const noexcept { return bytes_.begin(); }
-  [[nodiscard]] auto end() const noexcept { return bytes_.begin() + static_cast<std::ptrdiff_t>(size_); }
+  [[nodiscard]] const std::uint8_t* begin() const noexcept { return bytes_.data(); }
+  [[nodiscard]] const std::uint8_t* end() const noexcept { return bytes_.data() + size_; }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
  private:
   std::array<std::uint8_t, kLongAnswerSize> bytes_{};
