@@ -24,6 +24,8 @@ class Pendant {
     double start_after_s = 0.0;      ///< until the operator presses START
     double driving_off_s = 0.0;      ///< how long DRIVE OFF takes; the brakes hold from its beginning
     double override_percent = 100.0;
+
+    bool operator==(const Config&) const = default;
   };
   enum class Drives : std::uint8_t { off = 1, driving_on = 2, driving_off = 3, on = 4 };
   enum class Modality : std::uint8_t { listen = 0, pos_absolute = 4 };

@@ -217,6 +217,7 @@ LabConfig::LabConfig() {
   qualisys_listen = Endpoint::parse("127.0.0.1:22223");
   arm_listen = Endpoint::parse("127.0.0.1:50032");
   arm.hardened = true;
+  arm.pendant = {.driving_on_s = 1.0, .start_after_s = 0.3, .driving_off_s = 1.0};
   winch_listen = Endpoint::parse("127.0.0.1:48898");
 }
 
