@@ -88,9 +88,12 @@ void ComauDriver::send_slot(LabTime now) {
   const Brake brake = why_brake(now);
   if (brake == Brake::stale && brake_ != Brake::stale) ++stale_commands_;
   brake_ = brake;
+  const VelocityShaper before = shaper_;
   const Command command =
       brake == Brake::none ? shaper_.follow(wanted_->qd_wanted_radps, state_.q_rad) : shaper_.brake();
-  send(command, now);
+  // The next command is a step from what the robot computer was told, not from what should have left. Only an
+  // orderly stop has to come to an end without a network.
+  if (!send(command, now) && !stopping_) shaper_ = before;
   if (stopping_ && shaper_.holding()) stopped_ = ++farewells_ >= config_.farewell_datagrams;
 }
 
@@ -104,15 +107,15 @@ ComauDriver::Brake ComauDriver::why_brake(LabTime now) const noexcept {
   return Brake::none;
 }
 
-void ComauDriver::send(const Command& command, LabTime now) {
+bool ComauDriver::send(const Command& command, LabTime now) {
   if (const Status status = out_.send(config_.robot_computer, encode(command)); !status) {
     health_.rejected(status.fault());
-    return;
+    return false;
   }
   last_sent_ = command;
   t_last_sent_ = now;
   ++sent_;
-  if (!on_sent_) return;
+  if (!on_sent_) return true;
   topic::ArmCommand said;
   said.device = config_.device;
   said.sequence_number = sent_;
@@ -120,6 +123,7 @@ void ComauDriver::send(const Command& command, LabTime now) {
   said.follow = follows(command);
   std::ranges::copy(command.qd_radps, said.qd_wanted_radps.begin());
   on_sent_(said);
+  return true;
 }
 
 void ComauDriver::keep_schedule(LabTime now) noexcept {

@@ -122,7 +122,8 @@ class ComauDriver {
   };
 
   void send_slot(LabTime now);
-  void send(const Command& command, LabTime now);
+  /// @returns whether it left
+  bool send(const Command& command, LabTime now);
   [[nodiscard]] Brake why_brake(LabTime now) const noexcept;
   [[nodiscard]] bool silent(LabTime now) const noexcept;
   void keep_schedule(LabTime now) noexcept;

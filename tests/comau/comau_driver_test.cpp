@@ -349,6 +349,19 @@ TEST_F(ComauDriverTest, StopsInOrderEvenWhenTheSocketIsDead) {
   EXPECT_GT(dut_.health().rejected(Reason::transport), 20u);
 }
 
+TEST_F(ComauDriverTest, GoesOnFromWhatReallyLeftWhenTheSocketFails) {
+  follow({0.3, 0, 0, 0, 0, 0});
+  const auto first = sent_.size();
+  broken_ = true;
+  refresh_ = Joints{-0.3, 0, 0, 0, 0, 0};
+  run(200ms);
+  EXPECT_EQ(sent_.size(), first);
+  broken_ = false;
+  run(300ms);
+  ASSERT_GT(sent_.size(), first);
+  expect_gentle(sent_, first, config().qdd_max_radps2);
+}
+
 TEST_F(ComauDriverTest, TellsTheConstructedAnswer) {
   run(1ms);
   dut_.on_datagram(kAnswerBytes, kRobot, now_);

@@ -3,9 +3,9 @@
 
     comau_decode.py STREAM          STREAM is the program interop_comau_stream
 
-Layouts, little-endian without padding: the command of 32 bytes and the answer of 52 as in the laboratory's robot program
-(October 2019), the answer of 124 bytes as in its PLC project (November 2019). Exits with 1 and a sentence on the first
-thing that does not fit.
+Layouts, little-endian without padding: the command of 32 bytes and the answer of 52 as in the laboratory's robot
+program (October 2019), the answer of 124 bytes as in its PLC project (November 2019). Exits with 1 and a sentence on
+the first thing that does not fit.
 """
 
 import struct
@@ -54,7 +54,7 @@ def same(decoded, said):
 
 def check_vectors():
     """Constructed by hand: 0.5 is 3F000000, -0.25 BE800000, 1 3F800000, -2 C0000000."""
-    command = bytes.fromhex("20000000" "01000000" "0000003f" "000080be" "00000000" "00000000" "0000803f" "000000c0")
+    command = bytes.fromhex("2000000001000000" "0000003f000080be" "0000000000000000" "0000803f000000c0")
     require(decode_command(command) == {"mode": 1, "values": [0.5, -0.25, 0.0, 0.0, 1.0, -2.0]}, "the command vector")
     joints = "0000003f" + "000080be" * 5
     answer = bytes.fromhex("04030201" + joints + "0000803f" * 6)
