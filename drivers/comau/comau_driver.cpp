@@ -16,9 +16,13 @@ DeviceClock::Config clock_config(const DriverConfig& config) {
 
 VelocityShaper::Config shaper_config(const DriverConfig& config) {
   return {.period_s = config.command_period_s,
+          .rest_before_motion_s = config.rest_before_motion_s,
           .rest_before_hold_s = config.rest_before_hold_s,
-          .stop_deceleration_radps2 = config.stop_deceleration_radps2,
-          .qd_max_radps = config.qd_max_radps};
+          .q_min_rad = config.q_min_rad,
+          .q_max_rad = config.q_max_rad,
+          .qd_max_radps = config.qd_max_radps,
+          .qdd_max_radps2 = config.qdd_max_radps2,
+          .stop_deceleration_radps2 = config.stop_deceleration_radps2};
 }
 
 bool all_finite(const Joints& values) noexcept {
@@ -27,6 +31,14 @@ bool all_finite(const Joints& values) noexcept {
 
 bool follows(const Command& command) noexcept {
   return command.mode == static_cast<std::int32_t>(Mode::follow);
+}
+
+/// Limits in which an arm can be and move; zeros, for example, are none.
+bool is_a_box(const ReportedLimits& limits) noexcept {
+  for (std::size_t i = 0; i < kJointCount; ++i) {
+    if (limits.q_min_rad[i] >= limits.q_max_rad[i] || limits.qd_max_radps[i] <= 0.0) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -39,7 +51,8 @@ ComauDriver::ComauDriver(DriverConfig config, DatagramOut& out, Sink<topic::ArmS
       on_sent_(std::move(on_sent)),
       shaper_(shaper_config(config_)),
       clock_(clock_config(config_)),
-      frames_(std::llround(config_.restart_gap_s / kCycleSeconds)) {
+      frames_(std::llround(config_.restart_gap_s / kCycleSeconds)),
+      response_({.ignored_after_s = config_.ignored_after_s}) {
   state_.device = config_.device;
   health_.phase(LinkPhase::connecting);
 }
@@ -52,6 +65,7 @@ void ComauDriver::set_command(const topic::ArmCommand& command) {
   if (command.follow && !all_finite(command.qd_wanted_radps)) {
     health_.rejected({Reason::bad_value, "a wanted joint velocity is not finite: the arm is braked"});
   }
+  if (!command.follow) ignored_ = false;
   wanted_ = command;
 }
 
@@ -74,9 +88,12 @@ void ComauDriver::send_slot(LabTime now) {
   const Brake brake = why_brake(now);
   if (brake == Brake::stale && brake_ != Brake::stale) ++stale_commands_;
   brake_ = brake;
+  const VelocityShaper before = shaper_;
   const Command command =
-      brake == Brake::none ? shaper_.follow(wanted_->qd_wanted_radps) : shaper_.brake(brake != Brake::hold);
-  send(command, now);
+      brake == Brake::none ? shaper_.follow(wanted_->qd_wanted_radps, state_.q_rad) : shaper_.brake();
+  // The next command is a step from what the robot computer was told, not from what should have left. Only an
+  // orderly stop has to come to an end without a network.
+  if (!send(command, now) && !stopping_) shaper_ = before;
   if (stopping_ && shaper_.holding()) stopped_ = ++farewells_ >= config_.farewell_datagrams;
 }
 
@@ -85,19 +102,20 @@ ComauDriver::Brake ComauDriver::why_brake(LabTime now) const noexcept {
   if (!all_finite(wanted_->qd_wanted_radps)) return Brake::not_finite;
   if (now - from_ns(wanted_->t_created_ns) > from_seconds(config_.command_stale_after_s)) return Brake::stale;
   if (unchanged_answers_ >= config_.frozen_after_answers) return Brake::frozen;
-  if (silent(now)) return Brake::silent;
+  if (blind(now)) return Brake::blind;
+  if (ignored_) return Brake::ignored;
   return Brake::none;
 }
 
-void ComauDriver::send(const Command& command, LabTime now) {
+bool ComauDriver::send(const Command& command, LabTime now) {
   if (const Status status = out_.send(config_.robot_computer, encode(command)); !status) {
     health_.rejected(status.fault());
-    return;
+    return false;
   }
   last_sent_ = command;
   t_last_sent_ = now;
   ++sent_;
-  if (!on_sent_) return;
+  if (!on_sent_) return true;
   topic::ArmCommand said;
   said.device = config_.device;
   said.sequence_number = sent_;
@@ -105,6 +123,7 @@ void ComauDriver::send(const Command& command, LabTime now) {
   said.follow = follows(command);
   std::ranges::copy(command.qd_radps, said.qd_wanted_radps.begin());
   on_sent_(said);
+  return true;
 }
 
 void ComauDriver::keep_schedule(LabTime now) noexcept {
@@ -128,20 +147,22 @@ void ComauDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received)
     return;
   }
   const Result<Answer> answer = decode_answer(datagram);
-  if (!answer) {
-    health_.rejected(answer.fault());
-    return;
+  if (!answer) return refuse(answer.fault(), t_received);
+  const Result<WrappingCounter::Step> step = judge_counter(answer->frame_counter, t_received);
+  if (!step) return refuse(step.fault(), t_received);
+  const Nanoseconds passed = passed_since_last(*answer, *step, t_received);
+  if (const Status possible = posture_.check(*answer, passed); !possible) {
+    response_.reset();  // across such a jump nothing can be said of motion
+    return refuse(possible.fault(), t_received);
   }
-  const Result<LabTime> t_measured = place_in_time(*answer, t_received);
-  if (!t_measured) {
-    health_.rejected(t_measured.fault());
-    return;
-  }
-  health_.accepted(*t_measured, t_received);
+  posture_.accept(*answer);
+  const LabTime t_measured = place_in_time(*answer, *step, t_received);
+  health_.accepted(t_measured, t_received);
   health_.phase(LinkPhase::up);
-  watch_motion(*answer, t_received);
+  watch_response(*answer, passed);
+  note_limits(*answer);
   ++state_.sequence_number;
-  state_.t_measured_ns = to_ns(*t_measured);
+  state_.t_measured_ns = to_ns(t_measured);
   state_.t_received_ns = to_ns(t_received);
   state_.frame_counter = answer->frame_counter;
   state_.following = last_sent_ && follows(*last_sent_);
@@ -150,9 +171,15 @@ void ComauDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received)
   if (on_state_) on_state_(state_);
 }
 
-Result<LabTime> ComauDriver::place_in_time(const Answer& answer, LabTime t_received) noexcept {
+void ComauDriver::refuse(Fault fault, LabTime t_received) noexcept {
+  health_.rejected(fault);
+  t_refused_ = t_received;
+}
+
+Result<WrappingCounter::Step> ComauDriver::judge_counter(std::uint32_t frame_counter,
+                                                         LabTime t_received) noexcept {
   using Step = WrappingCounter::Step;
-  Step step = frames_.classify(answer.frame_counter);
+  Step step = frames_.classify(frame_counter);
   if (step == Step::repeated) {
     ++unchanged_answers_;
     return Fault{Reason::duplicate,
@@ -164,15 +191,39 @@ Result<LabTime> ComauDriver::place_in_time(const Answer& answer, LabTime t_recei
   if (step == Step::forward) {
     // The robot's time cannot run ahead of ours: a restart can also look like a step forward.
     const double ahead_s =
-        kCycleSeconds * static_cast<double>(frames_.unwrapped(answer.frame_counter) - frames_.total()) -
+        kCycleSeconds * static_cast<double>(frames_.unwrapped(frame_counter) - frames_.total()) -
         seconds(t_received - *health_.t_received());
     if (ahead_s > config_.restart_gap_s) step = Step::restarted;
   }
+  if (step != Step::restarted) return step;
+  // One answer with another counter may be anything; two that follow from each other are a program.
+  const auto frames = jump_ ? static_cast<std::int32_t>(frame_counter - jump_->frame_counter) : 0;
+  const bool goes_on =
+      frames > 0 && frames * kCycleSeconds <= seconds(t_received - jump_->t_received) + config_.restart_gap_s;
+  if (goes_on) return step;
+  jump_ = Jump{frame_counter, t_received};
+  return Fault{Reason::unexpected,
+               "the frame counter has jumped: a restart, if the next answer goes on from there"};
+}
+
+Nanoseconds ComauDriver::passed_since_last(const Answer& answer, WrappingCounter::Step step,
+                                           LabTime t_received) const noexcept {
+  const Nanoseconds by_our_clock = health_.t_received() ? t_received - *health_.t_received() : 0ns;
+  if (step != WrappingCounter::Step::forward) return by_our_clock;
+  const std::int64_t frames = frames_.unwrapped(answer.frame_counter) - frames_.total();
+  return std::max(by_our_clock, frames * from_seconds(kCycleSeconds));
+}
+
+LabTime ComauDriver::place_in_time(const Answer& answer, WrappingCounter::Step step,
+                                   LabTime t_received) noexcept {
+  using Step = WrappingCounter::Step;
   if (step == Step::restarted) {
     frames_.reset();
     clock_.reset();
+    response_.reset();
     health_.reconnected();
   }
+  jump_.reset();
   const std::int64_t advance = frames_.advance(answer.frame_counter);
   if (step == Step::forward) {
     // Lost is what we asked for and did not get; slots in which nothing was sent are no loss.
@@ -181,27 +232,36 @@ Result<LabTime> ComauDriver::place_in_time(const Answer& answer, LabTime t_recei
     const auto asked = static_cast<long long>(sent_ - sent_at_last_frame_);
     health_.lost(static_cast<std::uint64_t>(std::max(0LL, std::min(periods, asked) - 1)));
   }
+  // A cycle that stood still has lost that time.
+  if (unchanged_answers_ >= config_.frozen_after_answers) clock_.reset();
   unchanged_answers_ = 0;
   sent_at_last_frame_ = sent_;
   // 0.4 ms, in whole nanoseconds.
   return clock_.map(frames_.total() * from_seconds(kCycleSeconds), t_received);
 }
 
-void ComauDriver::watch_motion(const Answer& answer, LabTime t_received) noexcept {
-  constexpr double kSlowestWorthWatching_radps = 0.02;
-  constexpr double kShareThatIsMotion = 0.1;
-  bool wanted = false;
-  bool moves = false;
-  for (std::size_t i = 0; last_sent_ && i < kJointCount; ++i) {
-    const double sent = std::abs(static_cast<double>(last_sent_->qd_radps[i]));
-    if (sent < kSlowestWorthWatching_radps) continue;
-    wanted = true;
-    moves = moves || std::abs(answer.qd_radps[i]) > kShareThatIsMotion * sent;
+void ComauDriver::watch_response(const Answer& answer, Nanoseconds passed) noexcept {
+  if (!last_sent_ || !follows(*last_sent_)) {
+    response_.reset();
+    return;
   }
-  if (!wanted || moves) {
-    t_ignored_since_.reset();
-  } else if (!t_ignored_since_) {
-    t_ignored_since_ = t_received;
+  response_.step(last_sent_->qd_radps, answer.q_rad, seconds(passed));
+  ignored_ = ignored_ || response_.ignored();
+}
+
+void ComauDriver::note_limits(const Answer& answer) noexcept {
+  state_.limits_known = answer.limits && is_a_box(*answer.limits);
+  if (answer.limits) {
+    state_.q_min_rad = answer.limits->q_min_rad;
+    state_.q_max_rad = answer.limits->q_max_rad;
+    state_.qd_max_radps = answer.limits->qd_max_radps;
+  }
+  constexpr double kRoundingOfTheWire = 1e-4;
+  limits_narrower_ = false;
+  for (std::size_t i = 0; state_.limits_known && i < kJointCount; ++i) {
+    limits_narrower_ = limits_narrower_ || state_.q_min_rad[i] > config_.q_min_rad[i] + kRoundingOfTheWire ||
+                       state_.q_max_rad[i] < config_.q_max_rad[i] - kRoundingOfTheWire ||
+                       state_.qd_max_radps[i] < config_.qd_max_radps[i] - kRoundingOfTheWire;
   }
 }
 
@@ -210,8 +270,12 @@ bool ComauDriver::silent(LabTime now) const noexcept {
   return t_last && now - *t_last > from_seconds(config_.silent_after_s);
 }
 
+bool ComauDriver::blind(LabTime now) const noexcept {
+  return !health_.t_measured() || now - *health_.t_measured() > from_seconds(config_.answer_stale_after_s);
+}
+
 bool ComauDriver::feedback_fresh(LabTime now) const noexcept {
-  return health_.received() > 0 && unchanged_answers_ < config_.frozen_after_answers && !silent(now);
+  return unchanged_answers_ < config_.frozen_after_answers && !blind(now);
 }
 
 std::string_view ComauDriver::advice(LabTime now) const noexcept {
@@ -219,11 +283,23 @@ std::string_view ComauDriver::advice(LabTime now) const noexcept {
     return "The robot's control cycle stands still: look for a Power Link Error and restart the robot "
            "program.";
   }
+  if (silent(now) && t_refused_ && now - *t_refused_ <= from_seconds(config_.silent_after_s)) {
+    return "Answers come from the robot computer and all are refused: which program runs there? The reasons "
+           "are counted.";
+  }
   if (silent(now)) {
     return health_.received() > 0
                ? "The robot computer has fallen silent: if the arm moves, stop it by hand; check program and "
                  "network."
                : "The robot computer does not answer: check its address, and that its program runs.";
+  }
+  if (ignored_) {
+    return "The arm was told to move and did not; it is held until settled. Remote mode selected, drives on, "
+           "program started, joints inside their box?";
+  }
+  if (brake_ == Brake::blind) {
+    return "No answer of the robot computer is fresh enough to move on: the arm is held; check network and "
+           "load of both ends.";
   }
   if (brake_ == Brake::not_finite) {
     return "The controller asked for a velocity that is no number: the arm is held; settle and look into the "
@@ -232,8 +308,13 @@ std::string_view ComauDriver::advice(LabTime now) const noexcept {
   if (brake_ == Brake::stale) {
     return "The controller's commands are too old: the arm is held; check that the controller runs in time.";
   }
-  if (t_ignored_since_ && now - *t_ignored_since_ > from_seconds(config_.ignored_after_s)) {
-    return "The arm is told to move and does not: remote mode selected, drives on, joints inside their box?";
+  if (response_.share() < config_.slow_below_share) {
+    return "The arm moves more slowly than it is told: set the override on the pendant to 100 %; are the "
+           "robot computer's speed limits below ours?";
+  }
+  if (limits_narrower_) {
+    return "The robot computer reports limits narrower than ours and clips what we send: bring [comau] in "
+           "line with its settings file.";
   }
   return {};
 }

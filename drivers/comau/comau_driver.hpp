@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "drivers/comau/comau_driver_posture.hpp"
+#include "drivers/comau/comau_driver_response.hpp"
 #include "drivers/comau/comau_driver_velocity.hpp"
 #include "drivers/comau/comau_wire.hpp"
 #include "drivers/core/bytes.hpp"
@@ -21,23 +23,34 @@
 
 namespace motionlab::comau {
 
+/// The defaults of the box and of the speeds are the laboratory's settings file, as published.
 struct DriverConfig {
   std::string device = "arm";  ///< name on the topics
   Endpoint robot_computer{};   ///< commands go there; answers are taken from there alone (port 0: any port)
   double command_period_s = 0.005;
   double command_stale_after_s = 0.025;  ///< a follow command older than this is not sent any more
-  Joints stop_deceleration_radps2{1.0, 1.0, 1.0, 3.0, 3.0, 3.0};  ///< of the driver's own ramps to rest
-  /// No velocity leaves beyond these, rounding included. Default: the laboratory's 30 and 3 deg/s.
+  double answer_stale_after_s = 0.025;   ///< nothing moves on a measurement older than this
+
+  // The driver's own limits, kept whatever is commanded (see VelocityShaper).
+  Joints q_min_rad{-std::numbers::pi / 4,  -std::numbers::pi / 6,  -std::numbers::pi * 3 / 4,
+                   -std::numbers::pi / 18, -std::numbers::pi / 18, -std::numbers::pi / 18};
+  Joints q_max_rad{std::numbers::pi / 4,  std::numbers::pi / 6,  -std::numbers::pi / 4,
+                   std::numbers::pi / 18, std::numbers::pi / 18, std::numbers::pi / 18};
   Joints qd_max_radps{std::numbers::pi / 6,  std::numbers::pi / 6,  std::numbers::pi / 6,
                       std::numbers::pi / 60, std::numbers::pi / 60, std::numbers::pi / 60};
-  double rest_before_hold_s = 0.1;  ///< mode 1 with zero speed is kept so long, for the arm to catch up
-  double latency_s = 0.0;           ///< constant part of the delay from measurement to arrival
-  double drift_ppm_max = 200.0;     ///< fastest drift of the robot computer's cycle that is followed
+  Joints qdd_max_radps2{6.0, 6.0, 6.0, 1.2, 1.2, 1.2};
+  Joints stop_deceleration_radps2{1.0, 1.0, 1.0, 3.0, 3.0, 3.0};
+
+  double rest_before_motion_s = 0.02;  ///< mode 1 begins with zero speed for so long
+  double rest_before_hold_s = 0.1;     ///< mode 1 with zero speed is kept so long, for the arm to catch up
+  double latency_s = 0.0;              ///< constant part of the delay from measurement to arrival
+  double drift_ppm_max = 200.0;        ///< fastest drift of the robot computer's cycle that is followed
   int frozen_after_answers = 4;  ///< so many answers with one frame counter: its control cycle stands still
   double silent_after_s = 1.0;   ///< without a new frame for so long the link is down
-  double ignored_after_s = 0.2;  ///< told to move and not moving for so long: said in the advice
-  double restart_gap_s = 1.0;    ///< the frame counter jumps by more than this: the program was restarted
-  int farewell_datagrams = 20;   ///< mode 0 at the end of an orderly stop
+  double ignored_after_s = 0.2;  ///< told to move and not moving for so long: braked, and said in the advice
+  double slow_below_share = 0.85;  ///< moving at less than this share of what is told: said in the advice
+  double restart_gap_s = 1.0;      ///< the frame counter jumps by more than this: the program was restarted
+  int farewell_datagrams = 20;     ///< mode 0 at the end of an orderly stop
 };
 
 /// Our end of the exchange with the robot computer.
@@ -47,16 +60,24 @@ struct DriverConfig {
 /// receipt, from the first step on. The first are mode 0 with zero speed, and so are all until somebody wants
 /// to follow. A slot that was missed (the host stood still) is skipped, not made up.
 ///
-/// While following, the newest command is sent as it is, clamped to the speed limits. The driver brakes by
-/// itself, each joint with its stop deceleration per command period, when
+/// While following, the newest command is sent, kept within speed, acceleration and stopping distance by the
+/// driver's own limits. The driver brakes by itself, each joint with its stop deceleration per command
+/// period, when
 ///   - the newest command says hold, or an orderly stop was asked for;
 ///   - the newest command is older than `command_stale_after_s` (counted, advice);
 ///   - a wanted velocity is not finite (counted as bad_value; such a number never leaves);
-///   - the robot computer's frame counter stands still, or it is silent (advice).
-/// Mode 1 is kept until all joints have been at zero speed for `rest_before_hold_s`; then mode 0, which makes
-/// the robot computer take its set point from where the arm is. When the cause of a brake that nobody asked
-/// for is gone, the driver goes back to the wanted velocity with the same limit on the change of speed.
-/// Whether motion may be resumed at all is not decided here but by the guard.
+///   - the robot computer's frame counter stands still, or the newest measurement is older than
+///     `answer_stale_after_s`, or there is none yet (advice);
+///   - the arm is told to move and does not (advice): drives off, program held, or not in remote mode. That
+///     one lasts until somebody says hold: whoever presses START must not set the arm in motion by it.
+/// Mode 1 begins and ends at rest; mode 0 makes the robot computer take its set point from where the arm is.
+/// When the cause of another brake that nobody asked for is gone, the driver goes back to the wanted velocity
+/// within the same limits. Whether motion may be resumed at all is not decided here but by the guard.
+///
+/// Answers are taken in both forms. Refused and counted: foreign senders, wrong sizes, values that are not
+/// finite or that the arm cannot have (bad_value), a frame counter that has not moved (duplicate) or is older
+/// (out_of_order); one that has jumped is taken for a restart of the program when the next answer goes on
+/// from there, and is `unexpected` until then. The counter runs at 2500/s and dates each measurement.
 class ComauDriver {
  public:
   /// @param on_sent  optional: every command that really left, with the time as `t_created_ns`
@@ -86,23 +107,37 @@ class ComauDriver {
   [[nodiscard]] std::uint64_t stale_commands() const noexcept { return stale_commands_; }
   /// Slots of the schedule in which nothing left because `step` came too late.
   [[nodiscard]] std::uint64_t missed_slots() const noexcept { return missed_slots_; }
-  /// False while the frame counter stands still or no answer comes; false before the first answer.
+  /// False while the frame counter stands still or the newest measurement is too old; false before the first.
   [[nodiscard]] bool feedback_fresh(LabTime now) const noexcept;
   /// Laboratory time minus the robot computer's time in use; 0 before the first answer.
   [[nodiscard]] double clock_offset_s() const noexcept { return clock_.offset_s(); }
   [[nodiscard]] double clock_drift_ppm() const noexcept { return clock_.drift_ppm(); }
 
  private:
-  enum class Brake : std::uint8_t { none, hold, stale, not_finite, frozen, silent };
+  enum class Brake : std::uint8_t { none, hold, stale, not_finite, frozen, blind, ignored };
+  /// A frame counter that does not follow from the one before.
+  struct Jump {
+    std::uint32_t frame_counter = 0;
+    LabTime t_received{};
+  };
 
   void send_slot(LabTime now);
-  void send(const Command& command, LabTime now);
+  /// @returns whether it left
+  bool send(const Command& command, LabTime now);
   [[nodiscard]] Brake why_brake(LabTime now) const noexcept;
   [[nodiscard]] bool silent(LabTime now) const noexcept;
   void keep_schedule(LabTime now) noexcept;
   [[nodiscard]] std::string_view advice(LabTime now) const noexcept;
-  void watch_motion(const Answer& answer, LabTime t_received) noexcept;
-  [[nodiscard]] Result<LabTime> place_in_time(const Answer& answer, LabTime t_received) noexcept;
+  [[nodiscard]] bool blind(LabTime now) const noexcept;
+  void refuse(Fault fault, LabTime t_received) noexcept;
+  [[nodiscard]] Result<WrappingCounter::Step> judge_counter(std::uint32_t frame_counter,
+                                                            LabTime t_received) noexcept;
+  [[nodiscard]] Nanoseconds passed_since_last(const Answer& answer, WrappingCounter::Step step,
+                                              LabTime t_received) const noexcept;
+  [[nodiscard]] LabTime place_in_time(const Answer& answer, WrappingCounter::Step step,
+                                      LabTime t_received) noexcept;
+  void watch_response(const Answer& answer, Nanoseconds passed) noexcept;
+  void note_limits(const Answer& answer) noexcept;
 
   DriverConfig config_;
   DatagramOut& out_;
@@ -132,7 +167,12 @@ class ComauDriver {
   WrappingCounter frames_;
   std::uint64_t sent_at_last_frame_ = 0;
   int unchanged_answers_ = 0;
-  std::optional<LabTime> t_ignored_since_;  ///< no joint that shall move has moved since
+  std::optional<LabTime> t_refused_;
+  std::optional<Jump> jump_;
+  PostureCheck posture_;
+  ResponseWatch response_;
+  bool ignored_ = false;  ///< it was told to move and did not; until somebody says hold
+  bool limits_narrower_ = false;
   topic::ArmState state_{};
 };
 

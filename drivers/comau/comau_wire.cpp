@@ -47,11 +47,13 @@ Status check(const Command& command) noexcept {
 Result<Answer> decode_answer(Bytes datagram) noexcept {
   if (datagram.size() < kAnswerSize) {
     return Fault{Reason::too_short,
-                 "an answer has 52 bytes; this has fewer: which program runs on the robot computer?"};
+                 "an answer has 52 or 124 bytes; this has fewer: which program runs on the robot computer?"};
   }
-  if (datagram.size() > kAnswerSize) {
+  const bool long_form = datagram.size() == kLongAnswerSize;
+  if (datagram.size() > kAnswerSize && !long_form) {
     return Fault{Reason::too_long,
-                 "an answer has 52 bytes; this has more: which program runs on the robot computer?"};
+                 "an answer has 52 or 124 bytes; this has another size: which program runs on the robot "
+                 "computer?"};
   }
   LittleReader reader{datagram};
   Answer answer;
@@ -61,6 +63,15 @@ Result<Answer> decode_answer(Bytes datagram) noexcept {
   if (!all_finite(answer.q_rad) || !all_finite(answer.qd_radps)) {
     return Fault{Reason::bad_value, "a joint value of the answer is not finite"};
   }
+  if (!long_form) return answer;
+  ReportedLimits limits;
+  limits.q_min_rad = read_joints(reader);
+  limits.q_max_rad = read_joints(reader);
+  limits.qd_max_radps = read_joints(reader);
+  if (!all_finite(limits.q_min_rad) || !all_finite(limits.q_max_rad) || !all_finite(limits.qd_max_radps)) {
+    return Fault{Reason::bad_value, "a limit of the answer is not finite"};
+  }
+  answer.limits = limits;
   return answer;
 }
 
@@ -73,13 +84,16 @@ std::array<std::uint8_t, kCommandSize> encode(const Command& command) noexcept {
   return bytes;
 }
 
-std::array<std::uint8_t, kAnswerSize> encode(const Answer& answer) noexcept {
-  std::array<std::uint8_t, kAnswerSize> bytes{};
-  LittleWriter writer{bytes};
+AnswerBytes::AnswerBytes(const Answer& answer) noexcept
+    : size_(answer.limits ? kLongAnswerSize : kAnswerSize) {
+  LittleWriter writer{bytes_};
   writer.write(answer.frame_counter);
   write_joints(writer, answer.q_rad);
   write_joints(writer, answer.qd_radps);
-  return bytes;
+  if (!answer.limits) return;
+  write_joints(writer, answer.limits->q_min_rad);
+  write_joints(writer, answer.limits->q_max_rad);
+  write_joints(writer, answer.limits->qd_max_radps);
 }
 
 }  // namespace motionlab::comau

@@ -82,6 +82,21 @@ QualisysLink qualisys_link(const TomlTable& root) {
   return link;
 }
 
+/// The driver's own copy of the arm's limits: what the robot computer keeps it in, whatever the guard allows.
+void read_arm_limits(const TomlTable& t, comau::DriverConfig& driver) {
+  constexpr Range angle{-2700.0, 2700.0};
+  driver.q_min_rad = scaled(t.numbers<6>("q_min_deg", angle), kDegree);
+  driver.q_max_rad = scaled(t.numbers<6>("q_max_deg", angle), kDegree);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (driver.q_min_rad[i] >= driver.q_max_rad[i]) {
+      t.fail("q_min_deg", "joint " + std::to_string(i + 1) + " has its minimum at or above its maximum");
+    }
+  }
+  driver.qd_max_radps = scaled(t.numbers<6>("qd_max_degps", {0.0, 230.0}), kDegree);
+  driver.qdd_max_radps2 = t.numbers<6>("qdd_max_radps2", {0.01, 50.0});
+  driver.stop_deceleration_radps2 = t.numbers<6>("stop_deceleration_radps2", {0.1, 10.0});
+}
+
 ComauLink comau_link(const TomlTable& root) {
   const TomlTable t = root.table("comau");
   ComauLink link;
@@ -91,6 +106,8 @@ ComauLink comau_link(const TomlTable& root) {
   link.driver.latency_s = t.number("latency_s", kLatency);
   link.rule = {t.number("stale_after_s", kFreshness), true};
   link.driver.command_stale_after_s = link.rule.stale_after_s;
+  link.driver.answer_stale_after_s = link.rule.stale_after_s;
+  read_arm_limits(t, link.driver);
   return link;
 }
 
@@ -202,7 +219,9 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.platform_limits = platform_limits[root.table("limits").choice("platform", {"plc", "mechanical"})];
   const bool watched = root.table("comau").choice("watchdog", {"none", "relay", "patched"}) != 0;
   if (!watched) {
-    for (auto& fastest : config.limits.qd_max_radps) fastest = std::min(fastest, kSpeedWithoutWatchdog);
+    for (auto* const limit : {&config.limits.qd_max_radps, &config.comau.driver.qd_max_radps}) {
+      for (auto& fastest : *limit) fastest = std::min(fastest, kSpeedWithoutWatchdog);
+    }
     config.notes.push_back(
         "the robot computer has no watchdog: joints are limited to 0.1 rad/s; declare [comau] watchdog when "
         "it has one");
@@ -219,8 +238,6 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.keeper.identifier.memory_s = arm.number("servo_memory_s", {0.0, 3600.0});
   config.keeper.command_period_s = config.comau.driver.command_period_s;
   config.p_world_load_reference_m = root.table("reference").numbers<3>("p_world_load_m", {-20.0, 20.0});
-  config.comau.driver.qd_max_radps = config.limits.qd_max_radps;
-  config.comau.driver.stop_deceleration_radps2.fill(config.limits.stop_deceleration_radps2);
 
   config.set_platform_tracked(tracked);
   document.refuse_unknown_keys();

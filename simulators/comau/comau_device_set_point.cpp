@@ -31,13 +31,13 @@ void SetPoint::integrate(const Joints& qd_wanted_radps) noexcept {
   }
 }
 
-Joints SetPoint::slowed(const Joints& deceleration_radps2) const noexcept {
-  Joints slower = qd_radps_;
+Joints SetPoint::approached(const Joints& qd_wanted_radps, const Joints& acceleration_radps2) const noexcept {
+  Joints nearer = qd_radps_;
   for (std::size_t i = 0; i < kJointCount; ++i) {
-    const double step = deceleration_radps2[i] * config_.cycle_s;
-    slower[i] -= std::clamp(slower[i], -step, step);
+    const double step = acceleration_radps2[i] * config_.cycle_s;
+    nearer[i] += std::clamp(qd_wanted_radps[i] - nearer[i], -step, step);
   }
-  return slower;
+  return nearer;
 }
 
 }  // namespace motionlab::comau

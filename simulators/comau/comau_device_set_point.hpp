@@ -27,8 +27,9 @@ class SetPoint {
   void synchronise(const Joints& q_measured_rad) noexcept;
   /// One cycle.
   void integrate(const Joints& qd_wanted_radps) noexcept;
-  /// The applied velocity, each joint nearer to zero by at most deceleration x cycle.
-  [[nodiscard]] Joints slowed(const Joints& deceleration_radps2) const noexcept;
+  /// The applied velocity, each joint nearer to the wanted one by at most acceleration x cycle. @pre finite
+  [[nodiscard]] Joints approached(const Joints& qd_wanted_radps,
+                                  const Joints& acceleration_radps2) const noexcept;
 
   [[nodiscard]] const Joints& q_rad() const noexcept { return q_rad_; }
   /// The velocity of the last cycle, after the clip.

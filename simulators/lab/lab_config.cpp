@@ -183,6 +183,15 @@ void read_mru_device(const TomlTable& t, LabConfig::Mru& c) {
   read_number(t, "clock_drift_ppm", c.device.clock_drift_ppm, {-1000, 1000});
 }
 
+void read_pendant(const TomlTable& t, comau::Pendant::Config& c) {
+  read_number(t, "powerlink_after_s", c.powerlink_after_s, Range::at_least(0));
+  read_number(t, "drive_on_after_s", c.drive_on_after_s, Range::at_least(0));
+  read_number(t, "driving_on_s", c.driving_on_s, Range::at_least(0));
+  read_number(t, "start_after_s", c.start_after_s, Range::at_least(0));
+  read_number(t, "driving_off_s", c.driving_off_s, Range::at_least(0));
+  read_number(t, "override_percent", c.override_percent, {1, 100});
+}
+
 void read_arm_device(const TomlTable& t, LabConfig& c) {
   c.arm_listen = t.endpoint_or("listen", c.arm_listen);
   c.arm.hardened = t.boolean_or("hardened", c.arm.hardened);
@@ -191,7 +200,14 @@ void read_arm_device(const TomlTable& t, LabConfig& c) {
   read_joints(t, "speed_max_degps", c.arm.qd_max_radps, kDegree, Range::positive());
   read_number(t, "deceleration_radps2", c.arm.deceleration_radps2, Range::positive());
   read_number(t, "command_age_max_s", c.arm.command_age_max_s, Range::positive());
+  if (t.has("acceleration_max_radps2")) {
+    c.arm.acceleration_max_radps2.fill(t.number("acceleration_max_radps2", Range::positive()));
+  }
+  const auto bytes = t.integer_or("answer_bytes", c.arm.long_answers ? 124 : 52, {52, 124});
+  if (bytes != 52 && bytes != 124) t.fail("answer_bytes", "answers have 52 or 124 bytes");
+  c.arm.long_answers = bytes == 124;
   read_number(t, "remote_enabled_after_s", c.arm.remote_enabled_after_s, Range::at_least(0));
+  read_pendant(t.table_or_empty("pendant"), c.arm.pendant);
 }
 
 void read_winch_device(const TomlTable& t, LabConfig& c) {
@@ -219,6 +235,7 @@ LabConfig::LabConfig() {
   qualisys_listen = Endpoint::parse("127.0.0.1:22223");
   arm_listen = Endpoint::parse("127.0.0.1:50032");
   arm.hardened = true;
+  arm.pendant = {.driving_on_s = 1.0, .start_after_s = 0.3, .driving_off_s = 1.0};
   winch_listen = Endpoint::parse("127.0.0.1:48898");
 }
 

@@ -65,16 +65,20 @@ class ComauDriverTest : public ::testing::Test, public DatagramOut {
     dut_.set_command(command);
   }
 
+  /// An answer; the arm moves as `measured_qd_` says.
   void receive(std::uint32_t frame_counter, LabTime t, Endpoint from = kRobot) {
-    dut_.on_datagram(encode(Answer{frame_counter, {0.1, 0.2, -1.5, 0, 0, 0}, measured_qd_}), from, t);
+    for (std::size_t i = 0; i < kJointCount; ++i) q_[i] += measured_qd_[i] * seconds(t - t_moved_);
+    t_moved_ = t;
+    dut_.on_datagram(encode(Answer{frame_counter, q_, measured_qd_, limits_}), from, t);
   }
 
   /// Engages and runs until the arm is asked to follow at this speed.
   void follow(const Joints& qd) {
     answering_ = true;
+    run(10ms);
     measured_qd_ = qd;
     refresh_ = qd;
-    run(100ms);
+    run(140ms);
     ASSERT_EQ(sent_.back().command.mode, 1);
   }
 
@@ -87,7 +91,10 @@ class ComauDriverTest : public ::testing::Test, public DatagramOut {
   std::vector<topic::ArmState> states_;
   std::vector<topic::ArmCommand> said_;
   std::optional<Joints> refresh_;
+  Joints q_{0.0, 0.0, -1.5, 0, 0, 0};
   Joints measured_qd_{};
+  LabTime t_moved_ = kStart;
+  std::optional<ReportedLimits> limits_;
   bool answering_ = false;
   bool broken_ = false;
   ComauDriver dut_;
@@ -137,7 +144,9 @@ TEST_F(ComauDriverTest, SendsTheNewestVelocitiesAsTheyAre) {
 }
 
 TEST_F(ComauDriverTest, NeverExceedsTheSpeedLimitEvenByRounding) {
-  follow({9, -9, 9, 9, -9, 9});
+  refresh_ = Joints{9, -9, 9, 9, -9, 9};
+  answering_ = true;
+  run(200ms);
   const DriverConfig c = config();
   for (std::size_t i = 0; i < kJointCount; ++i) {
     const double speed = std::abs(static_cast<double>(sent_.back().command.qd_radps[i]));
@@ -146,15 +155,15 @@ TEST_F(ComauDriverTest, NeverExceedsTheSpeedLimitEvenByRounding) {
   }
 }
 
-/// Checks every change of speed since `first` against the stop deceleration, and that mode 0 comes only from
-/// rest.
-void expect_gentle(const std::vector<Sent>& sent, std::size_t first) {
-  const DriverConfig c;
+/// Checks every change of speed since `first` against an acceleration of each joint, and that mode 0 comes
+/// only from rest.
+void expect_gentle(const std::vector<Sent>& sent, std::size_t first,
+                   const Joints& most_radps2 = DriverConfig{}.stop_deceleration_radps2) {
   for (std::size_t k = first; k < sent.size(); ++k) {
     for (std::size_t i = 0; i < kJointCount; ++i) {
       const double before = static_cast<double>(sent[k - 1].command.qd_radps[i]);
       const double after = static_cast<double>(sent[k].command.qd_radps[i]);
-      EXPECT_LE(std::abs(after - before), c.stop_deceleration_radps2[i] * 0.005 + 1e-7);
+      EXPECT_LE(std::abs(after - before), most_radps2[i] * 0.005 + 1e-12);
     }
     if (sent[k].command.mode == 0 && sent[k - 1].command.mode == 1) {
       EXPECT_EQ(sent[k - 1].command.qd_radps, Command{}.qd_radps);
@@ -188,13 +197,10 @@ TEST_F(ComauDriverTest, RejoinsTheWantedVelocityWithoutAStep) {
   run(150ms);
   const auto first = sent_.size();
   refresh_ = Joints{0.4, 0, 0, 0, 0, 0};
-  run(1s);
-  expect_gentle(sent_, first);
+  run(500ms);
+  expect_gentle(sent_, first, config().qdd_max_radps2);
   EXPECT_EQ(sent_.back().command.qd_radps[0], 0.4F);
-  EXPECT_TRUE(dut_.health().advice().empty());
-  refresh_ = Joints{0.2, 0, 0, 0, 0, 0};
-  run(10ms);
-  EXPECT_EQ(sent_.back().command.qd_radps[0], 0.2F) << "having rejoined, it follows exactly";
+  EXPECT_TRUE(dut_.health().advice().empty()) << dut_.health().advice();
 }
 
 TEST_F(ComauDriverTest, RejoinsWithoutAStepEvenFromHold) {
@@ -204,8 +210,57 @@ TEST_F(ComauDriverTest, RejoinsWithoutAStepEvenFromHold) {
   ASSERT_EQ(sent_.back().command.mode, 0);
   const auto first = sent_.size();
   refresh_ = Joints{0.4, 0, 0, 0, 0, 0};
-  run(1s);
-  expect_gentle(sent_, first);
+  run(500ms);
+  expect_gentle(sent_, first, config().qdd_max_radps2);
+}
+
+TEST_F(ComauDriverTest, BeginsAndEndsModeOneAtZeroSpeed) {
+  follow({0.3, 0, 0, 0, 0, 0});
+  const auto begin =
+      std::find_if(sent_.begin(), sent_.end(), [](const Sent& s) { return s.command.mode == 1; });
+  for (int k = 0; k < 4; ++k) EXPECT_EQ((begin + k)->command.qd_radps[0], 0.0F) << k;
+  EXPECT_GT((begin + 4)->command.qd_radps[0], 0.0F);
+  expect_gentle(sent_, static_cast<std::size_t>(begin - sent_.begin()), config().qdd_max_radps2);
+  refresh_.reset();
+  measured_qd_ = {};
+  want({}, false);
+  run(600ms);
+  const auto end =
+      std::find_if(sent_.rbegin(), sent_.rend(), [](const Sent& s) { return s.command.mode == 1; });
+  for (int k = 0; k < 20; ++k) EXPECT_EQ((end + k)->command.qd_radps[0], 0.0F) << k;
+}
+
+TEST_F(ComauDriverTest, LimitsTheAccelerationOfWhatIsWanted) {
+  follow({0.3, 0, 0, 0.04, 0, 0});
+  const auto first = sent_.size();
+  for (const double direction : {-1.0, 1.0, -1.0}) {
+    refresh_ = Joints{0.3 * direction, 0, 0, 0.04 * direction, 0, 0};
+    run(25ms);
+  }
+  Joints most = config().qdd_max_radps2;
+  for (std::size_t i = 0; i < kJointCount; ++i)
+    most[i] = std::max(most[i], config().stop_deceleration_radps2[i]);
+  expect_gentle(sent_, first, most);
+}
+
+TEST_F(ComauDriverTest, BrakesBeforeTheEdgeOfItsOwnBox) {
+  q_[0] = 0.55;  // the edge lies at 0.785
+  answering_ = true;
+  refresh_ = Joints{0.5, 0, 0, 0, 0, 0};
+  for (int k = 0; k < 1000; ++k) {
+    run(5ms);
+    measured_qd_[0] = static_cast<double>(sent_.back().command.qd_radps[0]);
+  }
+  EXPECT_LE(q_[0], config().q_max_rad[0]);
+  EXPECT_GT(q_[0], config().q_max_rad[0] - 0.002);
+  EXPECT_EQ(sent_.back().command.mode, 1);
+}
+
+TEST_F(ComauDriverTest, DoesNotMoveBeforeItKnowsWhereTheArmIs) {
+  refresh_ = Joints{0.2, 0, 0, 0, 0, 0};
+  run(500ms);
+  EXPECT_EQ(sent_.back().command, Command{});
+  EXPECT_TRUE(advice_has("fresh enough"));
 }
 
 TEST_F(ComauDriverTest, KeepsModeOneUntilAtRestWhenToldToHold) {
@@ -226,6 +281,7 @@ TEST_F(ComauDriverTest, NeverSendsANumberThatIsNotFinite) {
     const auto first = sent_.size();
     const auto counted = dut_.health().rejected(Reason::bad_value);
     refresh_ = Joints{0.1, bad, 0, 0, 0, 0};
+    measured_qd_ = {};
     run(300ms);
     expect_gentle(sent_, first);
     EXPECT_EQ(sent_.back().command, Command{});
@@ -233,6 +289,9 @@ TEST_F(ComauDriverTest, NeverSendsANumberThatIsNotFinite) {
     EXPECT_TRUE(advice_has("no number"));
     refresh_ = Joints{};
     run(50ms);
+    refresh_.reset();
+    want({}, false);
+    run(200ms);
   }
 }
 
@@ -290,6 +349,19 @@ TEST_F(ComauDriverTest, StopsInOrderEvenWhenTheSocketIsDead) {
   EXPECT_GT(dut_.health().rejected(Reason::transport), 20u);
 }
 
+TEST_F(ComauDriverTest, GoesOnFromWhatReallyLeftWhenTheSocketFails) {
+  follow({0.3, 0, 0, 0, 0, 0});
+  const auto first = sent_.size();
+  broken_ = true;
+  refresh_ = Joints{-0.3, 0, 0, 0, 0, 0};
+  run(200ms);
+  EXPECT_EQ(sent_.size(), first);
+  broken_ = false;
+  run(300ms);
+  ASSERT_GT(sent_.size(), first);
+  expect_gentle(sent_, first, config().qdd_max_radps2);
+}
+
 TEST_F(ComauDriverTest, TellsTheConstructedAnswer) {
   run(1ms);
   dut_.on_datagram(kAnswerBytes, kRobot, now_);
@@ -305,6 +377,61 @@ TEST_F(ComauDriverTest, TellsTheConstructedAnswer) {
   EXPECT_FALSE(states_[0].limits_known);
 }
 
+TEST_F(ComauDriverTest, TellsTheConstructedLongAnswerWithItsLimits) {
+  run(1ms);
+  dut_.on_datagram(long_answer_bytes(), kRobot, now_);
+  ASSERT_EQ(states_.size(), 1u);
+  EXPECT_EQ(states_[0].q_rad, (Joints{0, 0.5, -1.5, 0.25, -0.125, 2}));
+  EXPECT_TRUE(states_[0].limits_known);
+  EXPECT_EQ(states_[0].q_min_rad, (Joints{-0.75, -0.5, -2.5, -0.125, -0.125, -0.25}));
+  EXPECT_EQ(states_[0].q_max_rad, (Joints{0.75, 0.5, -0.75, 0.125, 0.125, 0.25}));
+  EXPECT_EQ(states_[0].qd_max_radps, (Joints{0.5, 0.5, 0.5, 0.0625, 0.0625, 4}));
+}
+
+TEST_F(ComauDriverTest, SaysWhenTheRobotComputersLimitsAreNarrowerThanItsOwn) {
+  answering_ = true;
+  const DriverConfig c = config();
+  limits_ = ReportedLimits{c.q_min_rad, c.q_max_rad, c.qd_max_radps};
+  run(50ms);
+  EXPECT_TRUE(dut_.health().advice().empty()) << "rounded to the wire's floats, and yet the same";
+  limits_->q_max_rad[2] -= 0.01;
+  run(10ms);
+  EXPECT_TRUE(advice_has("narrower"));
+  limits_ = ReportedLimits{};
+  run(10ms);
+  EXPECT_FALSE(states_.back().limits_known) << "zeros are no box";
+  EXPECT_TRUE(dut_.health().advice().empty());
+}
+
+TEST_F(ComauDriverTest, RefusesWhatTheArmCannotHaveDone) {
+  answering_ = true;
+  run(50ms);
+  const auto states = states_.size();
+  q_[1] += 0.1;  // 20 rad/s
+  run(20ms);
+  EXPECT_EQ(states_.size(), states);
+  EXPECT_EQ(dut_.health().rejected(Reason::bad_value), 4u);
+  q_[1] -= 0.1;
+  run(20ms);
+  EXPECT_EQ(states_.size(), states + 4);
+  q_[1] = 2.0;  // beyond the stroke of 95 degrees
+  run(100ms);
+  EXPECT_EQ(states_.size(), states + 4);
+}
+
+TEST_F(ComauDriverTest, BelievesAnotherFrameCounterOnlyWhenTheNextAnswerGoesOnFromIt) {
+  answering_ = true;
+  run(50ms);
+  const auto states = states_.size();
+  for (const std::uint32_t garbage : {0xDEADBEEFu, 0x12345678u, 0x9ABCDEF0u, 0x5A5A5A5Au, 0x40000000u}) {
+    receive(garbage, now_);
+  }
+  EXPECT_EQ(states_.size(), states);
+  EXPECT_EQ(dut_.health().rejected(Reason::unexpected), 5u);
+  run(20ms);
+  EXPECT_EQ(states_.size(), states + 4) << "the true counter was never let go of";
+}
+
 TEST_F(ComauDriverTest, CountsEveryReasonForRefusal) {
   run(1ms);
   receive(1000, now_);
@@ -313,7 +440,7 @@ TEST_F(ComauDriverTest, CountsEveryReasonForRefusal) {
   receive(1000, now_ + 5ms);
   receive(990, now_ + 5ms);
   dut_.on_datagram(Bytes{kAnswerBytes}.first(51), kRobot, now_ + 5ms);
-  dut_.on_datagram(ByteBuffer(124, 0), kRobot, now_ + 5ms);
+  dut_.on_datagram(ByteBuffer(125, 0), kRobot, now_ + 5ms);
   measured_qd_[3] = kNaN;
   receive(1013, now_ + 5ms);
   EXPECT_EQ(dut_.health().rejected(Reason::foreign), 2u);
@@ -357,7 +484,8 @@ TEST_F(ComauDriverTest, RunsThroughTheWrapOfTheFrameCounter) {
     for (std::uint32_t k = 0; k < 20; ++k) {
       now_ = kStart + k * 5ms;
       driver.step(now_);
-      driver.on_datagram(encode(Answer{edge - 125 + 25 * k / 2, {}, {}}), kRobot, now_ + 100us);
+      driver.on_datagram(encode(Answer{edge - 125 + 25 * k / 2, {0, 0, -1.5, 0, 0, 0}, {}}), kRobot,
+                         now_ + 100us);
     }
     EXPECT_EQ(states_.size(), 20u);
     EXPECT_EQ(driver.health().lost(), 0u);
@@ -369,9 +497,11 @@ TEST_F(ComauDriverTest, StartsTheClockAfreshWhenTheProgramRestarts) {
   run(1ms);
   receive(5'000'000, now_);
   receive(12, now_ + 4s);
+  EXPECT_EQ(states_.size(), 1u);
+  receive(25, now_ + 4005ms);
   EXPECT_EQ(dut_.health().reconnects(), 1u);
   ASSERT_EQ(states_.size(), 2u);
-  EXPECT_EQ(states_[1].t_measured_ns, to_ns(now_ + 4s));
+  EXPECT_EQ(states_[1].t_measured_ns, to_ns(now_ + 4005ms));
 }
 
 TEST_F(ComauDriverTest, BrakesWhenTheFrameCounterStandsStill) {
@@ -403,8 +533,11 @@ TEST_F(ComauDriverTest, BrakesWhenTheRobotComputerFallsSilent) {
   follow({0.2, 0, 0, 0, 0, 0});
   answering_ = false;
   const auto first = sent_.size();
-  run(990ms);
+  run(20ms);
   EXPECT_EQ(sent_.back().command.qd_radps[0], 0.2F);
+  run(500ms);
+  EXPECT_TRUE(advice_has("fresh enough"));
+  EXPECT_EQ(dut_.health().phase(), LinkPhase::up);
   run(500ms);
   EXPECT_EQ(dut_.health().phase(), LinkPhase::down);
   EXPECT_TRUE(advice_has("fallen silent"));
@@ -425,12 +558,35 @@ TEST_F(ComauDriverTest, SaysWhenTheArmIsToldToMoveAndDoesNot) {
   EXPECT_TRUE(dut_.health().advice().empty());
   measured_qd_ = {};
   run(190ms);
-  EXPECT_TRUE(dut_.health().advice().empty());
+  EXPECT_FALSE(advice_has("told to move"));
+  const auto first = sent_.size();
   run(30ms);
   EXPECT_TRUE(advice_has("told to move"));
-  measured_qd_ = {0.15, 0, 0, 0, 0, 0};
+  run(500ms);
+  expect_gentle(sent_, first);
+  EXPECT_EQ(sent_.back().command, Command{}) << "it is not told any more";
+  EXPECT_TRUE(advice_has("told to move")) << "whoever presses START now moves nothing";
+  refresh_.reset();
+  want({}, false);
   run(10ms);
   EXPECT_TRUE(dut_.health().advice().empty());
+  measured_qd_ = {0.2, 0, 0, 0, 0, 0};
+  refresh_ = measured_qd_;
+  run(300ms);
+  EXPECT_EQ(sent_.back().command.qd_radps[0], 0.2F);
+}
+
+TEST_F(ComauDriverTest, SaysWhenTheArmMovesMoreSlowlyThanItIsTold) {
+  follow({0.2, 0, 0, 0, 0, 0});
+  run(300ms);
+  EXPECT_TRUE(dut_.health().advice().empty()) << dut_.health().advice();
+  measured_qd_ = {0.1, 0, 0, 0, 0, 0};
+  run(1500ms);
+  EXPECT_TRUE(advice_has("override"));
+  EXPECT_EQ(sent_.back().command.qd_radps[0], 0.2F);
+  measured_qd_ = {0.2, 0, 0, 0, 0, 0};
+  run(1500ms);
+  EXPECT_FALSE(advice_has("override")) << dut_.health().advice();
 }
 
 TEST_F(ComauDriverTest, SurvivesRandomAnswersWithoutChangingACommand) {

@@ -73,6 +73,9 @@ TEST(LabConfig, TheShippedFileSaysWhatTheDefaultsSay) {
   EXPECT_EQ(file.arm_listen, code.arm_listen);
   EXPECT_EQ(file.winch_listen, code.winch_listen);
   EXPECT_TRUE(file.arm.hardened);
+  EXPECT_EQ(file.arm.long_answers, code.arm.long_answers);
+  EXPECT_EQ(file.arm.acceleration_max_radps2, code.arm.acceleration_max_radps2);
+  EXPECT_EQ(file.arm.pendant, code.arm.pendant);
 }
 
 TEST_F(LabConfigFile, AnEmptyFileIsTheDefaultLaboratory) {
