@@ -10,7 +10,7 @@ missing() {
 }
 
 for device in $(basename -a drivers/*/ simulators/*/ | sort -u); do
-  case $device in core | lab | plant) continue ;; esac
+  case $device in core | faults | lab | plant) continue ;; esac
   for file in "drivers/$device/${device}_"{wire,driver}.hpp "simulators/$device/${device}_device".{hpp,cpp} \
     "drivers/$device/${device}_driver.cpp" "tests/fuzz/${device}_fuzz.cpp"; do
     [[ -f $file ]] || missing "$device lacks $file"

@@ -186,7 +186,7 @@ TEST_F(BadInput, RepeatedAndOldMruDatagramsAreRefused) {
 
 TEST_F(BadInput, ADeviceThatSaysEverythingTwiceIsHeardOnce) {
   const Record got =
-      run([](Line& line, DatagramSocket&, DatagramSocket&) { line.fault("mru1", "repeat", true); });
+      run([](Line& line, DatagramSocket&, DatagramSocket&) { line.fault("mru1", "duplicate", true, 1); });
   expect_same(got);
   EXPECT_GE(got.rejected("mru1", Reason::duplicate), 950U);
 }
