@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/core/memory_network.hpp"
+#include "simulators/faults/wire_faults.hpp"
 
 namespace motionlab::faults {
 namespace {
@@ -171,7 +172,6 @@ TEST_F(DatagramWire, BurstLosesATenthInRunsOfTheGivenLength) {
 
 TEST_F(DatagramWire, JitterDelaysWithinItsBoundAndLetsNothingOvertake) {
   fault("jitter", true, 0.02);
-  std::vector<LabTime> sent;
   exchange(1, 200);
   settle(30ms);
   EXPECT_EQ(bytes_of(at_peer_), counted(1, 200));
