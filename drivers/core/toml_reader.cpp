@@ -413,8 +413,11 @@ void TomlDocument::refuse_unknown_keys() const {
 }
 
 std::string TomlDocument::effective() const {
+  // Without texts over many lines: toml++ loses a newline at the beginning of one.
+  const toml::format_flags flags =
+      toml::toml_formatter::default_flags & ~toml::format_flags::allow_multi_line_strings;
   std::ostringstream text;
-  text << toml::toml_formatter{root_->own};
+  text << toml::toml_formatter{root_->own, flags};
   return text.str();
 }
 
