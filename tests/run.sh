@@ -16,7 +16,7 @@ case ${1:-} in
     ;;
 esac
 
-readonly fuzz_seconds=20 # each codec
+readonly fuzz_seconds=20 # each fuzzer
 readonly logs=build/test-log
 jobs=$(nproc)
 readonly jobs
@@ -82,27 +82,7 @@ run_programs() { # PRESET TARGETS…
   printf '%s\0' "${@:2}" | xargs -0 -n 1 -P "$jobs" bash -c "run_program $1 \"\$0\""
 }
 
-# One codec's fuzzer for a short time, from the seeds in tests/fuzz/corpus.
-run_fuzzer() { # SECONDS DEVICE
-  local output found code=0
-  found=$(mktemp -d)
-  output=$("build/fuzz/$2_fuzz" -max_total_time="$1" -timeout=5 -print_final_stats=1 \
-    -artifact_prefix="build/test-log/$2-" "$found" "tests/fuzz/corpus/$2" 2>&1) || code=$?
-  rm -rf "$found"
-  if ((code == 0)); then
-    echo "ok $2: $(grep -o 'number_of_executed_units: *[0-9]*' <<<"$output")"
-  else
-    printf '%s\nnot ok %s\n' "$output" "$2"
-  fi
-  return $code
-}
-
-fuzz() {
-  cmake -S tests/fuzz -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-14
-  cmake --build build/fuzz -j "$jobs"
-  printf '%s\0' "${devices[@]}" | xargs -0 -n 1 -P "$jobs" bash -c "run_fuzzer $fuzz_seconds \"\$0\""
-}
-export -f run_program run_fuzzer
+export -f run_program
 
 # --- how steps are run
 
@@ -143,11 +123,10 @@ step() {
 # --- the steps
 
 # Memory: whatever reads bytes, and what it stands on. Races: what hands values from thread to thread.
-devices=() memory_tests=(unit_core) race_tests=(unit_core)
+memory_tests=(unit_core unit_faults) race_tests=(unit_core)
 for folder in drivers/*/; do
   device=$(basename "$folder")
   [[ $device != core ]] || continue
-  devices+=("$device")
   memory_tests+=("device_${device}_test")
 done
 
@@ -157,7 +136,7 @@ if step "install" install_all; then
     $quick || step "lab" run_lab || true
   fi
   if ! $quick; then
-    step "fuzz" fuzz || true
+    step "fuzz" tests/fuzz/run.sh --seconds "$fuzz_seconds" || true
     ! step "memory build" build asan "${memory_tests[@]}" || step "memory tests" run_programs asan "${memory_tests[@]}" || true
     ! step "race build" build tsan "${race_tests[@]}" || step "race tests" run_programs tsan "${race_tests[@]}" || true
   fi

@@ -413,8 +413,12 @@ void TomlDocument::refuse_unknown_keys() const {
 }
 
 std::string TomlDocument::effective() const {
+  // Every text on one line and escaped: toml++ writes others that it cannot read again as they were.
+  using enum toml::format_flags;
+  const auto flags =
+      toml::toml_formatter::default_flags & ~(allow_multi_line_strings | allow_literal_strings);
   std::ostringstream text;
-  text << toml::toml_formatter{root_->own};
+  text << toml::toml_formatter{root_->own, flags};
   return text.str();
 }
 

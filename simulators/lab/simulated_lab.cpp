@@ -1,8 +1,11 @@
 #include "simulators/lab/simulated_lab.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "simulators/faults/faulty_wire.hpp"
+#include "simulators/faults/wire_faults.hpp"
 #include "simulators/lab/gust.hpp"
 
 namespace motionlab::lab {
@@ -93,12 +96,18 @@ struct SimulatedLab::Impl {
                     "mru2"),
         camera_sensor(config.world.camera, world.calibration().world_to_qtm, config.seed),
         encoders(config.world.encoder, config.seed),
-        mru1_socket(network.datagram(config.mru1.from)),
-        mru2_socket(network.datagram(config.mru2.from)),
-        qualisys_server(network.server(config.qualisys_listen)),
-        qualisys_socket(network.datagram({config.qualisys_listen.address, 0})),
-        arm_socket(network.datagram(config.arm_listen)),
-        winch_server(network.server(config.winch_listen)),
+        mru1_wire(network, config.seed, "mru1", [this](Nanoseconds jump) { mru1.set_clock_jump(jump); }),
+        mru2_wire(network, config.seed, "mru2", [this](Nanoseconds jump) { mru2.set_clock_jump(jump); }),
+        qualisys_wire(network, config.seed, "qualisys",
+                      [this](Nanoseconds jump) { qualisys.set_clock_jump(jump); }),
+        arm_wire(network, config.seed, "arm"),
+        winch_wire(network, config.seed, "winch", [this](Nanoseconds jump) { winch.set_clock_jump(jump); }),
+        mru1_socket(mru1_wire.datagram(config.mru1.from)),
+        mru2_socket(mru2_wire.datagram(config.mru2.from)),
+        qualisys_server(qualisys_wire.server(config.qualisys_listen)),
+        qualisys_socket(qualisys_wire.datagram({config.qualisys_listen.address, 0})),
+        arm_socket(arm_wire.datagram(config.arm_listen)),
+        winch_server(winch_wire.server(config.winch_listen)),
         mru1(with(config.mru1.device, config.world.mru1, config), *mru1_socket),
         mru2(with(config.mru2.device, config.world.mru2, config), *mru2_socket),
         qualisys(cameras(config), *qualisys_server, *qualisys_socket),
@@ -157,6 +166,17 @@ struct SimulatedLab::Impl {
         reading_of(sensor.sample(second ? s.second : s.platform), sensor.config().temperature_degc), t);
   }
 
+  /// What the wire does not know, the device may.
+  template <class Device>
+  Status set_fault(faults::FaultyWire& wire, Device& device, std::string_view fault, bool active,
+                   double value) {
+    if (faults::WireFaults::knows(fault)) return wire.set_fault(fault, active, value);
+    const Status done = device.set_fault(fault, active, value);
+    if (done) return done;
+    refusal = std::string(done.fault().text) + "; its wire: " + std::string(faults::WireFaults::kNames);
+    return Fault{done.fault().reason, refusal};
+  }
+
   [[nodiscard]] LabTime next_event() const {
     return std::min({robot_cycle.next, plc_task.next, mru1_round.next, mru2_round.next, camera_round.next});
   }
@@ -173,6 +193,9 @@ struct SimulatedLab::Impl {
       if (camera_round.due(t)) expose_cameras();
     }
     now = std::max(now, to);
+    for (faults::FaultyWire* const wire : {&mru1_wire, &mru2_wire, &qualisys_wire, &arm_wire, &winch_wire}) {
+      wire->step(now);
+    }
     mru1.step(now);
     mru2.step(now);
     qualisys.step(now);
@@ -185,6 +208,7 @@ struct SimulatedLab::Impl {
   plant::CameraSensor camera_sensor;
   plant::JointEncoders encoders;
 
+  faults::FaultyWire mru1_wire, mru2_wire, qualisys_wire, arm_wire, winch_wire;
   std::unique_ptr<DatagramSocket> mru1_socket, mru2_socket;
   std::unique_ptr<StreamServer> qualisys_server;
   std::unique_ptr<DatagramSocket> qualisys_socket;
@@ -201,6 +225,7 @@ struct SimulatedLab::Impl {
   bool braked = false;
   qualisys::CameraFrame frame;
   std::uint64_t truths = 0;
+  std::string refusal;  ///< the last one
 };
 
 SimulatedLab::SimulatedLab(const LabConfig& config, Network& network, LabTime start)
@@ -249,11 +274,12 @@ topic::TruthWorld SimulatedLab::truth() {
 }
 
 Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, bool active, double value) {
-  if (device == kMru1) return impl_->mru1.set_fault(fault, active, value);
-  if (device == kMru2) return impl_->mru2.set_fault(fault, active, value);
-  if (device == kQualisys) return impl_->qualisys.set_fault(fault, active, value);
-  if (device == kArm) return impl_->arm.set_fault(fault, active, value);
-  if (device == kWinch) return impl_->winch.set_fault(fault, active, value);
+  if (device == kMru1) return impl_->set_fault(impl_->mru1_wire, impl_->mru1, fault, active, value);
+  if (device == kMru2) return impl_->set_fault(impl_->mru2_wire, impl_->mru2, fault, active, value);
+  if (device == kQualisys)
+    return impl_->set_fault(impl_->qualisys_wire, impl_->qualisys, fault, active, value);
+  if (device == kArm) return impl_->set_fault(impl_->arm_wire, impl_->arm, fault, active, value);
+  if (device == kWinch) return impl_->set_fault(impl_->winch_wire, impl_->winch, fault, active, value);
   if (device == kWorld) {
     const Status done = impl_->gust.set(fault, active, value);
     impl_->world.set_push(impl_->gust.force_n());

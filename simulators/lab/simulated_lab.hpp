@@ -40,9 +40,9 @@ class SimulatedLab {
   [[nodiscard]] plant::WorldState state();
   [[nodiscard]] const plant::World& world() const;
 
-  /// Begins or ends a fault of a device (`mru1`, `mru2`, `qualisys`, `arm`, `winch`) by the device's own name
-  /// of it, or of the `world` itself (see Gust).
-  /// @returns refused, with the names that there are
+  /// Begins or ends a fault of the wire (faults::WireFaults) or else of the device itself (`mru1`, `mru2`,
+  /// `qualisys`, `arm`, `winch`), by its name; or of the `world` (see Gust).
+  /// @returns refused, with the names that there are; the text lives until the next call
   Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
 
   /// True while the robot program lives; the faithful one can end on its own defects.

@@ -98,7 +98,8 @@ std::uint32_t MruDevice::system_time_ms(LabTime t_measured) {
   const Nanoseconds elapsed = t_measured - *t_first_;
   const Nanoseconds drift{
       std::llround(static_cast<double>(elapsed.count()) * config_.clock_drift_ppm * 1e-6)};
-  const auto elapsed_ms = std::chrono::floor<std::chrono::milliseconds>(elapsed + drift).count();
+  const auto elapsed_ms =
+      std::chrono::floor<std::chrono::milliseconds>(elapsed + drift + clock_jump_).count();
   last_system_time_ms_ = static_cast<std::uint32_t>(config_.system_time_start_ms + elapsed_ms);
   return last_system_time_ms_;
 }

@@ -59,6 +59,8 @@ class MruDevice {
   void measure(const Reading& reading, LabTime t_measured);
   /// Sends what is due, oldest first.
   void step(LabTime now);
+  /// From now on the unit's own clock shows so much more; 0: right again.
+  void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
   /// When the next datagram is due; nothing when none waits.
   [[nodiscard]] std::optional<LabTime> next_send() const noexcept;
 
@@ -100,6 +102,7 @@ class MruDevice {
   std::vector<Waiting> waiting_;
   std::optional<LabTime> t_first_;
   std::uint32_t last_system_time_ms_ = 0;
+  Nanoseconds clock_jump_{0};
   std::uint64_t measured_ = 0;
   std::uint64_t sent_ = 0;
   std::uint64_t send_faults_ = 0;

@@ -77,7 +77,7 @@ void QualisysDevice::capture(const CameraFrame& seen, LabTime t_exposure) {
   ++frames_;
   Pending& pending = pending_.emplace_back();
   DataFrame& frame = pending.frame;
-  frame.timestamp_us = static_cast<std::uint64_t>((t_exposure - *t_start_) / 1us);
+  frame.timestamp_us = static_cast<std::uint64_t>(std::max(t_exposure - *t_start_ + clock_jump_, 0ns) / 1us);
   frame.frame_number = fault("stuck_frame_number") ? 1 : frame_number_;
   frame.has_bodies = true;
   frame.drop_rate = seen.drop_rate;
@@ -90,7 +90,8 @@ void QualisysDevice::capture(const CameraFrame& seen, LabTime t_exposure) {
     frame.body[i] = {true, body->p_camera_body_m, body->q_camera_body, body->residual_m};
   }
   if (config_.camera_time)
-    frame.timecode = CameraTime{t_exposure.time_since_epoch() + from_seconds(config_.camera_time_offset_s)};
+    frame.timecode =
+        CameraTime{t_exposure.time_since_epoch() + clock_jump_ + from_seconds(config_.camera_time_offset_s)};
 
   double delay_s = config_.latency_s;
   if (config_.jitter_s > 0.0) delay_s += jitter_.uniform(0.0, config_.jitter_s);

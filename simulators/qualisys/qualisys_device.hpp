@@ -92,6 +92,8 @@ class QualisysDevice final : public ServerEvents {
   void capture(const CameraFrame& frame, LabTime t_exposure);
   /// Sends what is due.
   void step(LabTime now);
+  /// From now on the server's own clock shows so much more, its time stamps with it; 0: right again.
+  void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
 
   /// Begins or ends a fault. Faults: refused for a name that is not known (`kFaults`) or a body that is not
   /// there.
@@ -166,6 +168,7 @@ class QualisysDevice final : public ServerEvents {
   std::vector<Goodbye> goodbyes_;  ///< closed a little later, so that the last bytes arrive
   std::optional<SessionId> master_;
   Event state_ = Event::capture_started;
+  Nanoseconds clock_jump_{0};
   std::optional<LabTime> t_start_;  ///< exposure of the measurement's first frame
   std::uint32_t frame_number_ = 0;
   std::uint64_t frames_ = 0;

@@ -490,7 +490,8 @@ void WinchDevice::send_sample(Subscription& subscription, Bytes value) {
   Session* session = client == clients_.end() ? nullptr : find(client->session);
   if (session == nullptr) return;
   const NotificationSample sample{subscription.handle, subscription.sent};
-  const NotificationStamp stamp{to_filetime(now_.time_since_epoch() + config_.plc.clock_ahead), {&sample, 1}};
+  const Nanoseconds t_plc = now_.time_since_epoch() + config_.plc.clock_ahead + clock_jump_;
+  const NotificationStamp stamp{to_filetime(t_plc), {&sample, 1}};
   const AmsHeader header{subscription.client,
                          subscription.server,
                          static_cast<std::uint16_t>(AdsCommand::notification),

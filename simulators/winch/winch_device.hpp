@@ -47,6 +47,12 @@ class WinchDevice : public ServerEvents {
   /// The PLC's task: obeys the command, writes the status, sends the notifications that are due. Every 5 ms.
   void cycle(LabTime t, const Measurement& measurement);
 
+  /// From now on the controller's own clock shows so much more; 0: right again.
+  void set_clock_jump(Nanoseconds jump) noexcept {
+    clock_jump_ = jump;
+    plc_.set_clock_jump(jump);
+  }
+
   /// Free wire length that the drive holds; see PlcProgram.
   [[nodiscard]] double set_point_m() const noexcept { return plc_.set_point_m(); }
   [[nodiscard]] bool brake_closed() const noexcept { return plc_.brake_closed(); }
@@ -174,6 +180,7 @@ class WinchDevice : public ServerEvents {
   std::uint64_t frames_sent_ = 0;
   std::uint64_t malformed_ = 0;
   LabTime now_{};
+  Nanoseconds clock_jump_{0};
   std::array<std::uint8_t, 16> scratch_{};  ///< values that are made when asked for
   ByteBuffer data_;                         ///< data of the answer under construction
   ByteBuffer frame_;                        ///< its frame

@@ -248,7 +248,7 @@ void PlcProgram::switch_brake() {
 void PlcProgram::write_status() {
   if (!frozen_) {
     ++cycle_count_;
-    t_plc_ = t_.time_since_epoch() + config_.clock_ahead;
+    t_plc_ = t_.time_since_epoch() + config_.clock_ahead + clock_jump_;
   }
   const bool error = state_ == PlcState::fault;
   PlcStatus status;

@@ -74,6 +74,8 @@ class PlcProgram {
   void run(bool running) noexcept { running_ = running; }
   /// Freezes nCycleCount and nTimestamp; everything else goes on.
   void freeze_cycle_count(bool frozen) noexcept { frozen_ = frozen; }
+  /// From now on the clock shows so much more; the task goes on in its own time.
+  void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
   /// A drive fault with its S-0-0390 number; nothing: the cause is gone (the latch stays).
   void drive_fault(std::optional<std::uint32_t> diagnosis) noexcept { drive_fault_ = diagnosis; }
 
@@ -93,6 +95,7 @@ class PlcProgram {
   [[nodiscard]] bool reset_edge() const noexcept { return command_.reset && !previous_.reset; }
 
   PlcConfig config_;
+  Nanoseconds clock_jump_{0};
   std::array<std::uint8_t, kMemorySize> memory_{};
   std::array<std::uint8_t, kCommandSize> seen_{};  ///< command bytes at the last cycle
   LabTime t_{};

@@ -186,7 +186,7 @@ TEST_F(BadInput, RepeatedAndOldMruDatagramsAreRefused) {
 
 TEST_F(BadInput, ADeviceThatSaysEverythingTwiceIsHeardOnce) {
   const Record got =
-      run([](Line& line, DatagramSocket&, DatagramSocket&) { line.fault("mru1", "repeat", true); });
+      run([](Line& line, DatagramSocket&, DatagramSocket&) { line.fault("mru1", "duplicate", true, 1); });
   expect_same(got);
   EXPECT_GE(got.rejected("mru1", Reason::duplicate), 950U);
 }
@@ -257,16 +257,16 @@ TEST_P(SpoiledDatagrams, AreCountedAndMissedLikeLostOnes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfADevice, SpoiledDatagrams,
-                         testing::Values(Spoiled{"mru1", "truncate", Reason::too_short},
+                         testing::Values(Spoiled{"mru1", "truncate", Reason::too_short, 1},
                                          Spoiled{"mru1", "oversize", Reason::too_long},
                                          Spoiled{"mru1", "nan", Reason::bad_value},
                                          Spoiled{"mru1", "wrong_token", Reason::bad_header},
                                          Spoiled{"arm", "wrong_size", Reason::too_short, -1},
                                          Spoiled{"arm", "wrong_size", Reason::too_long, 1},
                                          Spoiled{"arm", "nan_answer", Reason::bad_value},
-                                         Spoiled{"qualisys", "truncate", Reason::too_short},
+                                         Spoiled{"qualisys", "truncate", Reason::too_short, 1},
                                          Spoiled{"qualisys", "oversize", Reason::too_long},
-                                         Spoiled{"qualisys", "foreign", Reason::too_short}),
+                                         Spoiled{"qualisys", "foreign", Reason::foreign, 1}),
                          [](const auto& test) {
                            return test.param.device + "_" + test.param.fault + "_" +
                                   std::string(to_string(test.param.reason));

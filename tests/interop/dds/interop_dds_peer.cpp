@@ -3,6 +3,7 @@
 ///
 ///   interop_dds_peer publish DOMAIN    until its standard input ends
 ///   interop_dds_peer receive DOMAIN COUNT
+///   interop_dds_peer echo DOMAIN       every topic out, and back by a stranger in the next domain, unchanged
 #include <poll.h>
 #include <unistd.h>
 
@@ -12,10 +13,14 @@
 #include <cstdlib>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <vector>
 
 #include "gateway/bus/dds_bus.hpp"
+#include "tests/unit/bus/samples.hpp"
 
 namespace motionlab {
 namespace {
@@ -134,10 +139,82 @@ int receive(const char* domain, std::uint64_t count) {
   return dds.counters().incompatible_qos == 0 && dds.counters().refused() == 0 ? 0 : 3;
 }
 
+/// One topic on its way out and back.
+class EchoBase {
+ public:
+  virtual ~EchoBase() = default;
+  virtual void send() = 0;
+  /// @returns whether every sample has come back
+  virtual bool look() = 0;
+  [[nodiscard]] virtual std::string_view name() const = 0;
+};
+
+template <class T>
+class Echo final : public EchoBase {
+ public:
+  Echo(bus::LocalBus& there, bus::LocalBus& back)
+      : publisher_(there.advertise<T>()), subscription_(back.subscribe<T>()) {
+    for (std::uint64_t seed = 1; seed <= kSamples; ++seed) missing_.push_back(bus::random_sample<T>(seed));
+  }
+  void send() override {
+    if (!missing_.empty()) publisher_.publish(missing_.front());
+  }
+  bool look() override {
+    while (const auto sample = subscription_.next()) {
+      std::erase_if(missing_, [&](const T& sent) { return bus::differences(sent, *sample).empty(); });
+    }
+    return missing_.empty();
+  }
+  [[nodiscard]] std::string_view name() const override { return bus::TopicTraits<T>::name; }
+
+ private:
+  static constexpr std::uint64_t kSamples = 5;
+  bus::Publisher<T> publisher_;
+  bus::Subscription<T> subscription_;
+  std::vector<T> missing_;
+};
+
+int echo(const char* domain) {
+  bus::DdsConfig here = loopback(domain);
+  here.join_truth = true;
+  bus::DdsConfig next = here;
+  ++next.domain;
+  bus::LocalBus there, back;
+  bus::DdsBus out{here, there}, in{next, back};
+  std::vector<std::unique_ptr<EchoBase>> echoes;
+#define MOTIONLAB_ECHO(Type) \
+  out.out<topic::Type>();    \
+  in.in<topic::Type>();      \
+  echoes.push_back(std::make_unique<Echo<topic::Type>>(there, back));
+  MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_ECHO)
+#undef MOTIONLAB_ECHO
+  out.start();
+  in.start();
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (!echoes.empty() && std::chrono::steady_clock::now() < end) {
+    for (const auto& topic : echoes) topic->send();
+    std::this_thread::sleep_for(20ms);
+    std::erase_if(echoes, [](const auto& topic) {
+      if (!topic->look()) return false;
+      std::printf("%s\n", std::string{topic->name()}.c_str());
+      return true;
+    });
+  }
+  out.stop();
+  in.stop();
+  for (const auto& topic : echoes) {
+    std::fprintf(stderr, "%s did not come back unchanged\n", std::string{topic->name()}.c_str());
+  }
+  const auto strange =
+      out.counters().incompatible_qos + in.counters().incompatible_qos + in.counters().refused();
+  return echoes.empty() && strange == 0 ? 0 : 3;
+}
+
 int run(int argc, char** argv) {
   const std::string_view verb = argc > 2 ? argv[1] : "";
   if (verb == "publish" && argc == 3) return publish(argv[2]);
   if (verb == "receive" && argc == 4) return receive(argv[2], std::strtoull(argv[3], nullptr, 10));
+  if (verb == "echo" && argc == 3) return echo(argv[2]);
   return 64;
 }
 

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Cyclone DDS on one end, our bus on the other, on loopback: every value must arrive to the last bit.
-#   run.sh OUR_PEER CYCLONE_SUBSCRIBER CYCLONE_REQUESTER
+#   run.sh OUR_PEER CYCLONE_SUBSCRIBER CYCLONE_REQUESTER CYCLONE_ECHO
 set -eu
-peer=$1 subscriber=$2 requester=$3
+peer=$1 subscriber=$2 requester=$3 echo=$4
 domain=$((77 + $$ % 140))
 work=$(mktemp -d)
 trap 'exec 3>&-; rm -rf "$work"' EXIT
@@ -41,4 +41,13 @@ for n in 1 2 3 4 5 6 7 8 9 10; do
   echo "$name $n -$((1000000007 * n)) $action limited"
 done >"$work/expected"
 diff "$work/expected" "$work/requests"
+echo "== ours to Cyclone and, what it understood, back: every topic"
+mkfifo "$work/remain"
+"$echo" $domain <"$work/remain" &
+mirror=$!
+exec 3>"$work/remain"
+"$peer" echo $domain 3>&- >"$work/echoed"
+exec 3>&-
+wait $mirror
+sort "$work/echoed"
 echo "== well"

@@ -234,6 +234,13 @@ TEST_F(Toml, ShowsTheEffectiveConfigurationAsToml) {
   EXPECT_EQ(again.effective(), effective);
 }
 
+TEST_F(Toml, WhatIsPrintedKeepsEveryText) {
+  const std::string printed = load("a = \"\\nsecond line\\n\"\nb = 'raw \\ text'\n").effective();
+  const auto again = TomlDocument::load(write("again.toml", printed));
+  EXPECT_EQ(again.root().text("a"), "\nsecond line\n");
+  EXPECT_EQ(again.root().text("b"), "raw \\ text");
+}
+
 TEST_F(Toml, AMissingFileIsNamed) {
   EXPECT_THAT(error_of([&] { (void)TomlDocument::load(folder_ / "nowhere.toml"); }),
               HasSubstr("nowhere.toml: there is no such file; check the path"));
