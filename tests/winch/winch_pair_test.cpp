@@ -293,7 +293,7 @@ TEST(WinchPair, NamesTheWrongNetId) {
   EXPECT_TRUE(advises(bench, "AMS error 7")) << bench.driver_->health().advice();
   ASSERT_TRUE(bench.driver_->last_error().has_value());
   EXPECT_EQ(bench.driver_->last_error()->code, 7U);
-  EXPECT_EQ(bench.driver_->last_error()->level, WinchDriver::ErrorReport::Level::ams);
+  EXPECT_EQ(bench.driver_->last_error()->level, ErrorLevel::router);
 }
 
 TEST(WinchPair, NamesTheMissingPort) {
