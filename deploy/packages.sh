@@ -16,6 +16,7 @@ test=(
   libgtest-dev libgmock-dev libbenchmark-dev
   cyclonedds-dev cyclonedds-tools # a stranger on the bus
   nodejs/node npm/npm             # a stranger's ADS client
+  tshark                          # a stranger's dissector
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics
   clang-format-14 shellcheck

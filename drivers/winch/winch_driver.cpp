@@ -85,6 +85,7 @@ void WinchDriver::on_open(LabTime t) {
   requests_.clear();
   timeouts_in_a_row_ = 0;
   heard_anything_ = false;
+  commands_refused_ = false;
   symbol_version_.reset();
   t_resolved_again_.reset();
   written_ = {.sequence = written_.sequence};

@@ -196,6 +196,7 @@ class WinchDriver : public StreamEvents {
   RoundTrip round_trip_;
   PlcCommand written_{};
   LabTime next_command_{};
+  bool commands_refused_ = false;  ///< the newest answer to a write was an error
 
   std::optional<PlcStatus> status_;  ///< newest of this connection
   LabTime t_fresh_{};

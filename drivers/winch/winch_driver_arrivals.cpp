@@ -123,6 +123,7 @@ void WinchDriver::take_answer(const AmsFrame& frame, LabTime t) {
   }
   timeouts_in_a_row_ = 0;
   round_trip_.add(t - asked->t_sent);
+  if (asked->purpose == Purpose::write_command) commands_refused_ = false;
   if (frame.header.error != ads_error::none) {
     take_error(ErrorLevel::router, frame.header.error, asked->purpose, asked->command);
     return;
@@ -182,6 +183,7 @@ void WinchDriver::take_error(ErrorLevel level, std::uint32_t code, Purpose purpo
   health_.rejected(kAnswerError);
   if (errors_.note(level, code, command, now_)) advice_error_ = to_sentence(*errors_.newest());
   if (purpose == Purpose::clean_up) return;
+  if (purpose == Purpose::write_command) commands_refused_ = true;
   switch (describe(code).error_class) {
     case ErrorClass::layout:
       halt({Reason::bad_header, "the PLC says that a size is wrong"});
@@ -251,8 +253,11 @@ void WinchDriver::accept(const PlcStatus& status, LabTime t) {
   tell(status, t);
 }
 
+/// The cause before its consequence: a PLC that refuses our commands also loses our heartbeat.
 void WinchDriver::advise(const PlcStatus& status) {
-  if (status.state == PlcState::communication_lost) {
+  if (commands_refused_) {
+    health_.advice(advice_error_);
+  } else if (status.state == PlcState::communication_lost) {
     health_.advice(advice::kWatchdog);
   } else if (status.state == PlcState::fault || status.error) {
     const auto code = status.drive_diagnosis != 0 ? status.drive_diagnosis : status.axis_error_id;
