@@ -254,7 +254,8 @@ void PlcProgram::write_status() {
     t_plc_ = t_.time_since_epoch() + config_.clock_ahead;
   }
   const bool error = state_ == PlcState::fault;
-  const double seen_position_m = config_.pay_out_sign * (sensed_.wire_length_m - config_.wire_at_zero_travel_m);
+  const double seen_position_m =
+      config_.pay_out_sign * (sensed_.wire_length_m - config_.wire_at_zero_travel_m);
   PlcStatus status;
   status.cycle_count = cycle_count_;
   status.heartbeat_echo = command_.heartbeat;

@@ -21,8 +21,8 @@ STATUS = struct.Struct("<4IQ8d4I4H8?")
 COMMAND = struct.Struct("<4I4dH3B3x2I")
 STATUS_NAMES = (
     "layout cycle heartbeat sequence timestamp position velocity set_position following_error torque temperature "
-    "minimum maximum axis_state axis_error diagnosis trips drive_status class_1 state reserved ready enabled error warning "
-    "comm_ok homed at_min at_max").split()
+    "minimum maximum axis_state axis_error diagnosis trips drive_status class_1 state reserved ready enabled error "
+    "warning comm_ok homed at_min at_max").split()
 assert STATUS.size == 120 and COMMAND.size == 64
 
 
@@ -57,7 +57,8 @@ class Client:
         assert reserved == 0 and 32 <= length < 1 << 20, head.hex()
         body = self._take(length)
         self.wire.append((time.time(), False, head + body))
-        target, target_port, source, source_port, command, flags, size, error, invoke = struct.unpack("<6sH6sHHHIII", body[:32])
+        target, target_port, source, source_port, command, flags, size, error, invoke = struct.unpack(
+            "<6sH6sHHHIII", body[:32])
         assert (target, target_port) == US, "sent to somebody else"
         assert source == PLC[0] and source_port in (PLC[1], SYSTEM[1])
         assert size == length - 32, "AMS length"

@@ -19,7 +19,8 @@ def without_comments(text):
 def members_of_st(text, name):
     """[(name, type)] of a STRUCT in Structured Text, which must ask for packing 1."""
     text = without_comments(text)
-    found = re.search(r"\{attribute 'pack_mode' := '1'\}\s*TYPE\s+(\w+)\s*:\s*STRUCT(.*?)END_STRUCT\s*END_TYPE", text, re.S)
+    found = re.search(r"\{attribute 'pack_mode' := '1'\}\s*TYPE\s+(\w+)\s*:\s*STRUCT(.*?)END_STRUCT\s*END_TYPE",
+                      text, re.S)
     assert found, f"{name}: no packed struct"
     assert found[1] == name, f"{found[1]} instead of {name}"
     members = []

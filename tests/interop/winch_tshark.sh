@@ -8,7 +8,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 python3 "$folder/ads_decode.py" "$1" "$work/session.pcap"
-read_capture() { tshark -n -r "$work/session.pcap" -o tcp.check_checksum:FALSE -o ip.check_checksum:FALSE "$@" 2>"$work/errors"; }
+read_capture() {
+  tshark -n -r "$work/session.pcap" -o tcp.check_checksum:FALSE -o ip.check_checksum:FALSE "$@" 2>"$work/errors"
+}
 
 malformed=$(read_capture -Y '_ws.malformed || _ws.expert.severity == error' | tee /dev/stderr | wc -l)
 if ((malformed > 0)); then
