@@ -13,12 +13,7 @@ constexpr std::uint32_t kSymbolFlags = 0x8;  // has a type name
 constexpr std::string_view kArrayType = "ARRAY [0..1] OF BYTE";
 constexpr std::size_t kUploadMax = 16 * 1024;
 
-DataTypeEntry of_array(std::string_view name, std::uint32_t offset, std::uint32_t flags) {
-  return {2, offset, DataType::byte, flags, name, "BYTE", {}, 2, 0, {}};
-}
-
 DataTypeEntry of_member(const Member& member) {
-  if (member.type == kArrayType) return of_array(member.name, member.offset, data_type_flag::data_item);
   return {member.size,
           member.offset,
           member.data_type,
@@ -29,6 +24,12 @@ DataTypeEntry of_member(const Member& member) {
           0,
           0,
           {}};
+}
+
+/// A member only names the type of its array; the elements are told here.
+void write_array(LittleWriter& writer) {
+  DataTypeEntry{2, 0, DataType::byte, data_type_flag::data_type, kArrayType, "BYTE", {}, 2, 0, {}}.encode(
+      writer);
 }
 
 void write_struct(std::string_view name, std::span<const Member> members, std::uint32_t size,
@@ -95,7 +96,7 @@ bool SymbolTable::write_type(std::string_view name, LittleWriter& writer) const 
   } else if (same_name(name, kStatusType)) {
     write_struct(kStatusType, status_members(), kStatusSize, writer);
   } else if (same_name(name, kArrayType)) {
-    of_array(kArrayType, 0, data_type_flag::data_type).encode(writer);
+    write_array(writer);
   } else {
     return false;
   }

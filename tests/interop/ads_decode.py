@@ -51,7 +51,7 @@ class Client:
         return data
 
     def frame(self):
-        """(command, flags, error, invoke id, data) of the next frame."""
+        """(source, command, flags, error, invoke id, data) of the next frame."""
         head = self._take(6)
         reserved, length = struct.unpack("<HI", head)
         assert reserved == 0 and 32 <= length < 1 << 20, head.hex()
@@ -60,9 +60,8 @@ class Client:
         target, target_port, source, source_port, command, flags, size, error, invoke = struct.unpack(
             "<6sH6sHHHIII", body[:32])
         assert (target, target_port) == US, "sent to somebody else"
-        assert source == PLC[0] and source_port in (PLC[1], SYSTEM[1])
         assert size == length - 32, "AMS length"
-        return command, flags, error, invoke, body[32:]
+        return (source, source_port), command, flags, error, invoke, body[32:]
 
     def notification(self, data):
         size, stamps = struct.unpack_from("<II", data)
@@ -83,10 +82,10 @@ class Client:
         while (left := end - time.monotonic()) > 0:
             self.stream.settimeout(left)
             try:
-                command, flags, _, invoke, data = self.frame()
+                source, command, flags, _, invoke, data = self.frame()
             except TimeoutError:
                 break
-            assert (command, flags, invoke) == (8, 4, 0)
+            assert (source, command, flags, invoke) == (PLC, 8, 4, 0)
             self.notification(data)
         self.stream.settimeout(5)
 
@@ -97,12 +96,12 @@ class Client:
         self.wire.append((time.time(), True, sent))
         self.stream.sendall(sent)
         while True:
-            got, flags, error, invoke, answer = self.frame()
+            source, got, flags, error, invoke, answer = self.frame()
             if got == 8:
-                assert flags == 4, "notifications are no responses"
+                assert (source, flags) == (PLC, 4), "notifications are no responses"
                 self.notification(answer)
                 continue
-            assert (got, flags, invoke) == (command, 5, self.invoke)
+            assert (source, got, flags, invoke) == (target, command, 5, self.invoke)
             if error:
                 raise AdsError("router", error)
             (result,) = struct.unpack_from("<I", answer)
