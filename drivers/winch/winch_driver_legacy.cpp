@@ -115,7 +115,9 @@ void WinchDriver::take_legacy_status(Bytes answer, const Request& asked, LabTime
     return;
   }
   const LabTime t_asked = asked.t_sent - from_seconds(config_.latency_s);
-  accept(from_legacy(*status, t_asked, heartbeat_.echo(), config_.legacy_travel_m), t);
+  PlcStatus ours = from_legacy(*status, t_asked, heartbeat_.echo(), config_.legacy_travel_m);
+  ours.ready = ours.ready && config_.commands();  // what may not be moved is not ready to be engaged
+  accept(ours, t);
 }
 
 void WinchDriver::write_legacy(const PlcCommand& command) {

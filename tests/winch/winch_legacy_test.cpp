@@ -41,6 +41,7 @@ TEST(WinchLegacyProfile, TellsTheStatusAtItsRateAndWritesNothingWithoutLeave) {
   EXPECT_NEAR(state.wire_length_max_m, 2.7, 1e-12);
   EXPECT_TRUE(state.homed);
   EXPECT_FALSE(state.command_path_alive);
+  EXPECT_FALSE(state.ready) << "nothing engages on a winch that may not be moved";
   EXPECT_TRUE(std::isnan(state.motor_torque_nm));
   EXPECT_LT(state.t_measured_ns, state.t_received_ns) << "not newer than the question";
   EXPECT_EQ(bench.driver_->counters().commands_written, 0U);
@@ -52,6 +53,7 @@ TEST(WinchLegacyProfile, MovesWithLeaveButNeverFasterThanItsOwnLimit) {
   Bench bench{legacy(true), published_project()};
   bench.engage();
   EXPECT_EQ(bench.last().drive_state, State::hold);
+  EXPECT_TRUE(bench.last().ready);
   EXPECT_TRUE(bench.last().command_path_alive);
   bench.command = Bench::make(Mode::velocity, true, 0.2);
   bench.run(1s);
