@@ -208,21 +208,22 @@ def session(client):
 
 
 def write_capture(path, wire, port):
-    """The session as Ethernet, IPv4 and TCP between the client and port 48898, where dissectors look for AMS."""
+    """The session as Ethernet, IPv4 and TCP between the client and port 48898, where dissectors look for AMS.
+
+    One frame is one packet, however long: Wireshark's dissector does not put frames together.
+    """
     ours, theirs, ams_port = bytes([192, 168, 90, 70]), bytes([192, 168, 90, 150]), 48898
     sent = {True: 1, False: 1}
     with open(path, "wb") as file:
         file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 1))
         for when, from_us, data in wire:
-            for begin in range(0, len(data), 1400):
-                part = data[begin:begin + 1400]
-                ends = (port, ams_port) if from_us else (ams_port, port)
-                tcp = struct.pack(">HHIIBBHHH", *ends, sent[from_us], sent[not from_us], 0x50, 0x18, 65535, 0, 0) + part
-                addresses = (ours, theirs) if from_us else (theirs, ours)
-                ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp), 0, 0x4000, 64, 6, 0, *addresses)
-                packet = bytes(12) + b"\x08\x00" + ip + tcp
-                sent[from_us] += len(part)
-                file.write(struct.pack("<IIII", int(when), int(when % 1 * 1e6), len(packet), len(packet)) + packet)
+            ends = (port, ams_port) if from_us else (ams_port, port)
+            tcp = struct.pack(">HHIIBBHHH", *ends, sent[from_us], sent[not from_us], 0x50, 0x18, 65535, 0, 0) + data
+            addresses = (ours, theirs) if from_us else (theirs, ours)
+            ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp), 0, 0x4000, 64, 6, 0, *addresses)
+            packet = bytes(12) + b"\x08\x00" + ip + tcp
+            sent[from_us] += len(data)
+            file.write(struct.pack("<IIII", int(when), int(when % 1 * 1e6), len(packet), len(packet)) + packet)
 
 
 def main():
