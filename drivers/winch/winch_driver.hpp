@@ -12,54 +12,32 @@
 #include "drivers/core/network.hpp"
 #include "drivers/core/sink.hpp"
 #include "drivers/winch/winch_driver_arming.hpp"
+#include "drivers/winch/winch_driver_backoff.hpp"
+#include "drivers/winch/winch_driver_command.hpp"
+#include "drivers/winch/winch_driver_config.hpp"
+#include "drivers/winch/winch_driver_errors.hpp"
 #include "drivers/winch/winch_driver_liveness.hpp"
+#include "drivers/winch/winch_driver_requests.hpp"
 #include "drivers/winch/winch_wire.hpp"
 #include "idl/winch_command.hpp"
 #include "idl/winch_state.hpp"
 
 namespace motionlab::winch {
 
-struct DriverConfig {
-  std::string device = "winch";
-  AmsAddress target{{{192, 168, 90, 150, 1, 1}}, ams_port::plc_runtime_1};
-  /// Ours. The PLC needs a route to this NetId. One fixed port, so that what we left behind can be found and
-  /// deleted.
-  AmsAddress local{{{192, 168, 90, 70, 1, 1}}, 32905};
-  std::string command_symbol = "GVL_Winch.stCommand";
-  std::string status_symbol = "GVL_Winch.stStatus";
-
-  double command_period_s = 0.010;
-  double status_period_s = 0.010;
-  double command_stale_after_s = 0.05;    ///< an older command becomes quick stop and hold
-  double status_stale_after_s = 0.05;     ///< then the status is read, in case only notifications are lost
-  double status_dead_after_s = 1.0;       ///< then the connection is closed and made anew
-  double heartbeat_echo_within_s = 0.05;  ///< else the command path is not alive
-  double request_timeout_s = 0.1;
-  double connect_timeout_s = 1.0;
-  double reconnect_min_s = 0.1;  ///< doubles up to the next, with jitter
-  double reconnect_max_s = 2.0;
-  double plc_watchdog_s = 0.1;   ///< wanted of the PLC, which clamps it to 0.02..0.5
-  double torque_limit_nm = 0.0;  ///< at the motor; 0: the drive's own
-  double latency_s = 0.0;        ///< known constant delay from the PLC's stamp to arrival
-  double wire_at_zero_travel_m =
-      1.20;                   ///< free wire length where the axis' position is zero; measure on site
-  double pay_out_sign = 1.0;  ///< +1 or -1: which way the axis' position grows when wire is paid out
-  std::uint32_t jitter_seed = 1;
-};
-
 /// Commands the winch and tells its state.
 ///
 /// Connects, checks that the PLC runs and that both structs have the size, type and version we know, then
 /// writes the whole command every period and hears the whole status by cyclic notification. Lengths on topics
-/// are free wire lengths: wire_length_m = wire_at_zero_travel_m + pay_out_sign * (axis position); speeds,
-/// accelerations and limits follow. That mapping is made here and nowhere else.
+/// are free wire lengths (see AxisMap). With the profile `legacy` the symbols of MAIN.winch are read every
+/// period instead, t_measured is when they were asked for, and nothing is written unless `legacy_commands`
+/// allows it: then never faster than `legacy_speed_max_mps`, since that project has no watchdog.
 ///
 /// Time: call `step` about every millisecond. Before the first status nothing is told. A status whose cycle
 /// counter does not advance is not told. Without a command, or with one older than `command_stale_after_s`,
 /// the winch is told to stop and hold. After every (re)connect the winch stays disabled until the caller's
-/// enable rises (see Arming). Faults: counted in `health()`, whose advice says what to do; the newest ADS
-/// error is in `last_error()`. A layout that is not ours halts the driver for good. It never writes the ADS
-/// state of the PLC.
+/// enable rises (see Arming). Faults: counted in `health()`, whose advice says what to do and begins with the
+/// level of the trouble; the newest ADS error is in `last_error()`. A layout that is not ours halts the
+/// driver for good. It never writes the ADS state of the PLC.
 class WinchDriver : public StreamEvents {
  public:
   /// Both references must outlive the driver.
@@ -67,9 +45,7 @@ class WinchDriver : public StreamEvents {
   WinchDriver(const WinchDriver&) = delete;
   WinchDriver& operator=(const WinchDriver&) = delete;
 
-  /// Takes the newest command. Its age counts from t_created_ns, or from now when that lies ahead.
-  /// Faults: bad_value (not finite), out_of_order (created before the one in use), foreign (another device's
-  /// name); then the one in use goes on, and becomes stale.
+  /// Takes the newest command. Faults: see CommandSource; then the one in use goes on, and becomes stale.
   Status set_command(const topic::WinchCommand& command);
 
   void step(LabTime now);
@@ -91,17 +67,7 @@ class WinchDriver : public StreamEvents {
   [[nodiscard]] const RoundTrip& round_trip() const noexcept { return round_trip_; }
   /// What the controller calls itself; empty before the first connection.
   [[nodiscard]] const DeviceInfoResponse& device_info() const noexcept { return device_info_; }
-
-  /// Level, place and number of the newest ADS error, for people.
-  struct ErrorReport {
-    enum class Level : std::uint8_t { ams, ads } level{};
-    std::uint32_t code = 0;  ///< see describe()
-    AdsCommand command{};
-    LabTime t_first{};
-    LabTime t_last{};
-    std::uint64_t count = 0;
-  };
-  [[nodiscard]] const std::optional<ErrorReport>& last_error() const noexcept { return last_error_; }
+  [[nodiscard]] const std::optional<ErrorReport>& last_error() const noexcept { return errors_.newest(); }
 
   struct Counters {
     std::uint64_t commands_written = 0;
@@ -125,62 +91,79 @@ class WinchDriver : public StreamEvents {
     command_handle,
     status_handle,
     first_status,
+    legacy_handles,
     subscribe_version,
     subscribe_status,
     done,
   };
   enum class Stopping : std::uint8_t { no, braking, disabling, cleaning };
-  enum class Purpose : std::uint8_t { none, set_up, write_command, read_status, clean_up };
-  struct Pending {
-    Purpose purpose = Purpose::none;
-    AdsCommand command{};
-    std::uint32_t invoke_id = 0;
-    LabTime t_sent{};
-  };
 
+  // winch_driver.cpp: the connection, requests
   void open(LabTime now);
   void lose_link(std::string_view advice, LabTime now);
-  void retry_set_up(std::string_view advice);
   void halt(Fault fault);
   void finish();
+  void check_timeouts();
+  template <class Message>
+  void request(Purpose purpose, AdsCommand command, const Message& message, std::uint16_t port = 0);
 
+  // winch_driver_setup.cpp: from a connection to a running winch, and back
   void send_step();
   void take_step(const AmsFrame& frame);
+  template <class Response>
+  [[nodiscard]] bool answered(const Response& response, const AmsFrame& frame);
+  [[nodiscard]] bool take_state(const AmsFrame& frame);
+  [[nodiscard]] bool take_symbol(const AmsFrame& frame);
+  [[nodiscard]] bool take_handle(const AmsFrame& frame);
+  [[nodiscard]] bool take_first_status(const AmsFrame& frame);
+  [[nodiscard]] Step next_step() const noexcept;
   [[nodiscard]] Status check_symbol(Bytes answer, std::size_t size, std::string_view type);
+  void retry_set_up(std::string_view advice);
   void start_running();
   void resolve_again();
   void delete_notifications();
   void clean_up();
 
-  void check_timeouts();
-  void check_status_age();
+  // winch_driver_running.cpp: commands out
   void write_command();
-  [[nodiscard]] PlcCommand command_for(Arming::Bits bits);
+  void check_status_age();
   void follow_stop();
 
+  // winch_driver_arrivals.cpp: what comes in
   void take_frame(const AmsFrame& frame, LabTime t);
   void take_notification(const AmsFrame& frame, LabTime t);
+  void take_sample(const NotificationSample& sample, LabTime t);
+  void take_version(Bytes data);
+  void take_foreign(std::uint32_t handle);
   void take_answer(const AmsFrame& frame, LabTime t);
-  void take_error(ErrorReport::Level level, std::uint32_t code, Purpose purpose, AdsCommand command);
+  void take_written(const AmsFrame& frame, const Request& asked);
+  void take_read(const AmsFrame& frame, const Request& asked, LabTime t);
+  void take_error(ErrorLevel level, std::uint32_t code, Purpose purpose, AdsCommand command);
   void take_status(Bytes bytes, LabTime t);
+  void accept(const PlcStatus& status, LabTime t);
   void tell(const PlcStatus& status, LabTime t);
   void advise(const PlcStatus& status);
 
-  template <class Message>
-  void request(Purpose purpose, AdsCommand command, const Message& message, std::uint16_t port = 0);
-  [[nodiscard]] bool waiting_for(Purpose purpose) const noexcept;
-  [[nodiscard]] double to_axis(double wire_length_m) const noexcept;
-  [[nodiscard]] double to_wire(double position_m) const noexcept;
+  // winch_driver_legacy.cpp: MAIN.winch in place of GVL_Winch
+  void ask_legacy_handles();
+  [[nodiscard]] bool take_legacy_handles(const AmsFrame& frame);
+  void release_legacy_handles();
+  void read_legacy();
+  void write_legacy(const PlcCommand& command);
+  void take_legacy_status(Bytes answer, const Request& asked, LabTime t);
+  void take_legacy_written(Bytes answer);
 
   DriverConfig config_;
+  AxisMap axis_;
   StreamOut& out_;
   Sink<topic::WinchState> sink_;
   LinkHealth health_;
   DeviceClock clock_;
   FrameSplitter splitter_;
-  std::array<std::uint8_t, 512> frame_{};
+  std::array<std::uint8_t, 1024> frame_{};
   std::string advice_route_;
   std::string advice_net_id_;
+  std::string advice_error_;  ///< about the newest error
 
   LabTime now_{};
   Stage stage_ = Stage::idle;
@@ -191,38 +174,54 @@ class WinchDriver : public StreamEvents {
   LabTime t_opened_{};
   LabTime retry_at_{};
   bool step_due_ = false;
-  double backoff_s_;
-  std::uint32_t jitter_;
+  Backoff backoff_;
   std::uint64_t opens_ = 0;
   bool heard_anything_ = false;  ///< on this connection
   std::uint32_t timeouts_in_a_row_ = 0;
   std::optional<LabTime> t_resolved_again_;
 
-  std::array<Pending, 8> pending_{};
-  std::uint32_t invoke_id_ = 0;
+  RequestTable requests_;
   DeviceInfoResponse device_info_{};
-  std::uint32_t command_handle_ = 0;
+  std::uint32_t command_handle_ = 0;  ///< 0: none. No server gives 0
   std::uint32_t status_handle_ = 0;
   std::uint32_t version_notification_ = 0;
   std::uint32_t status_notification_ = 0;
+  std::array<std::uint32_t, kLegacyStatusNames.size() + kLegacyCommandNames.size()> legacy_handles_{};
   std::optional<std::uint8_t> symbol_version_;
   LabTime next_delete_{};
 
-  topic::WinchCommand command_{};
-  std::optional<LabTime> t_command_;
-  bool command_stale_ = false;
+  CommandSource commands_;
   Arming arming_;
   HeartbeatWatch heartbeat_;
   RoundTrip round_trip_;
   PlcCommand written_{};
   LabTime next_command_{};
+  bool commands_refused_ = false;  ///< the newest answer to a write was an error
 
   std::optional<PlcStatus> status_;  ///< newest of this connection
   LabTime t_fresh_{};
   LabTime next_read_{};
   std::uint64_t told_ = 0;
-  std::optional<ErrorReport> last_error_;
+  ErrorLog errors_;
   Counters counters_{};
 };
+
+template <class Message>
+void WinchDriver::request(Purpose purpose, AdsCommand command, const Message& message, std::uint16_t port) {
+  const auto invoke_id = requests_.open(purpose, command, now_);
+  if (!invoke_id) return;  // all slots unanswered: the timeouts are about to close the connection
+  AmsHeader header;
+  header.target = config_.target;
+  if (port != 0) header.target.port = port;
+  header.source = config_.local;
+  header.command = static_cast<std::uint16_t>(command);
+  header.invoke_id = *invoke_id;
+  const auto frame = encode_frame(frame_, header, message);
+  if (!frame) {
+    health_.rejected(frame.fault());
+    return;
+  }
+  if (const auto sent = out_.send(*frame); !sent) health_.rejected(sent.fault());
+}
 
 }  // namespace motionlab::winch

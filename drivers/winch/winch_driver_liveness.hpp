@@ -27,6 +27,7 @@ class HeartbeatWatch {
   }
   void echoed(std::uint32_t heartbeat) noexcept { echo_ = heartbeat; }
   [[nodiscard]] std::uint32_t last() const noexcept { return last_; }
+  [[nodiscard]] std::uint32_t echo() const noexcept { return echo_; }
 
   /// Whether the oldest heartbeat without echo is younger than the limit. False before the first was sent,
   /// and when the echo is not one of ours (somebody else commands the winch).

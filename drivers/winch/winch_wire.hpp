@@ -7,6 +7,8 @@
 #include "drivers/winch/winch_wire_ams.hpp"
 #include "drivers/winch/winch_wire_errors.hpp"
 #include "drivers/winch/winch_wire_filetime.hpp"
+#include "drivers/winch/winch_wire_legacy.hpp"
 #include "drivers/winch/winch_wire_notification.hpp"
 #include "drivers/winch/winch_wire_structs.hpp"
 #include "drivers/winch/winch_wire_symbols.hpp"
+#include "drivers/winch/winch_wire_upload.hpp"

@@ -218,4 +218,21 @@ SumItem sum_item(Bytes data, std::size_t n) noexcept {
   return item;
 }
 
+void SumReadWriteItem::encode(LittleWriter& writer) const noexcept {
+  writer.write(index_group);
+  writer.write(index_offset);
+  writer.write(read_length);
+  writer.write(write_length);
+}
+
+SumReadWriteItem sum_read_write_item(Bytes data, std::size_t n) noexcept {
+  LittleReader reader{data.subspan(n * kSumReadWriteItemSize, kSumReadWriteItemSize)};
+  SumReadWriteItem item;
+  item.index_group = reader.read<std::uint32_t>();
+  item.index_offset = reader.read<std::uint32_t>();
+  item.read_length = reader.read<std::uint32_t>();
+  item.write_length = reader.read<std::uint32_t>();
+  return item;
+}
+
 }  // namespace motionlab::winch

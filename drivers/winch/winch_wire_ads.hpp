@@ -55,13 +55,24 @@ namespace index_group {
 inline constexpr std::uint32_t plc_memory = 0x4020;
 inline constexpr std::uint32_t plc_data = 0x4040;
 inline constexpr std::uint32_t handle_by_name = 0xF003;
+inline constexpr std::uint32_t value_by_name = 0xF004;
 inline constexpr std::uint32_t value_by_handle = 0xF005;
 inline constexpr std::uint32_t release_handle = 0xF006;
 inline constexpr std::uint32_t info_by_name = 0xF007;
 inline constexpr std::uint32_t symbol_version = 0xF008;
 inline constexpr std::uint32_t info_by_name_ex = 0xF009;
+inline constexpr std::uint32_t upload = 0xF00B;
+inline constexpr std::uint32_t upload_info = 0xF00C;
+inline constexpr std::uint32_t upload_types = 0xF00E;
+inline constexpr std::uint32_t upload_info_2 = 0xF00F;
+inline constexpr std::uint32_t type_by_name = 0xF011;
 inline constexpr std::uint32_t sum_read = 0xF080;
 inline constexpr std::uint32_t sum_write = 0xF081;
+inline constexpr std::uint32_t sum_read_write = 0xF082;
+inline constexpr std::uint32_t sum_read_ex = 0xF083;    ///< with the length of each item in front
+inline constexpr std::uint32_t sum_read_ex_2 = 0xF084;  ///< likewise; failed items have no data
+inline constexpr std::uint32_t sum_add_notification = 0xF085;
+inline constexpr std::uint32_t sum_delete_notification = 0xF086;
 inline constexpr std::uint32_t device_data = 0xF100;
 inline constexpr std::uint32_t system_state_ex = 0x00F0;  ///< on the system service's port only
 }  // namespace index_group
@@ -191,5 +202,22 @@ using SumItem = ReadRequest;
 
 /// The n-th entry. @pre data holds at least (n + 1) entries
 [[nodiscard]] SumItem sum_item(Bytes data, std::size_t n) noexcept;
+
+inline constexpr std::size_t kSumReadWriteItemSize = 16;
+inline constexpr std::size_t kSumSubscribeItemSize = 40;  ///< an AddNotificationRequest each
+
+/// One entry of a sum read/write list; the data to write follow behind the whole list.
+struct SumReadWriteItem {
+  std::uint32_t index_group = 0;
+  std::uint32_t index_offset = 0;
+  std::uint32_t read_length = 0;
+  std::uint32_t write_length = 0;
+
+  bool operator==(const SumReadWriteItem&) const = default;
+  void encode(LittleWriter& writer) const noexcept;
+};
+
+/// The n-th entry. @pre data holds at least (n + 1) entries
+[[nodiscard]] SumReadWriteItem sum_read_write_item(Bytes data, std::size_t n) noexcept;
 
 }  // namespace motionlab::winch

@@ -124,6 +124,11 @@ WinchLink winch_link(const TomlTable& root) {
   link.driver.wire_at_zero_travel_m = t.number("wire_at_zero_travel_m", {0.0, 20.0});
   link.driver.pay_out_sign = t.number("pay_out_sign", {-1.0, 1.0});
   if (std::abs(link.driver.pay_out_sign) != 1.0) t.fail("pay_out_sign", "it is a sign; write 1.0 or -1.0");
+  link.driver.profile =
+      t.choice("profile", {"gvl_winch", "legacy"}) == 1 ? winch::Profile::legacy : winch::Profile::gvl_winch;
+  link.driver.legacy_commands = t.boolean("legacy_commands");
+  link.driver.legacy_speed_max_mps = t.number("legacy_speed_max_mps", {0.0, 0.2});
+  link.driver.legacy_travel_m = t.number("legacy_travel_m", {0.0, 10.0});
   link.rule = {t.number("stale_after_s", kFreshness), true};
   return link;
 }
@@ -225,6 +230,11 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
     config.notes.push_back(
         "the robot computer has no watchdog: joints are limited to 0.1 rad/s; declare [comau] watchdog when "
         "it has one");
+  }
+  if (config.winch.driver.legacy() && config.winch.driver.legacy_commands) {
+    config.notes.push_back(
+        "winch.legacy_commands lets a PLC project without a watchdog move the winch: should the gateway die, "
+        "it goes on with the last velocity");
   }
 
   const TomlTable arm = root.table("arm");

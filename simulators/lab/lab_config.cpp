@@ -220,6 +220,15 @@ void read_winch_device(const TomlTable& t, LabConfig& c) {
     }
   }
   c.winch.plc_port = static_cast<std::uint16_t>(t.integer_or("ams_port", c.winch.plc_port, {1, 65535}));
+  c.winch.project = t.choice_or("project", 0, {"gvl_winch", "legacy"}) == 1 ? winch::PlcProject::legacy
+                                                                            : winch::PlcProject::gvl_winch;
+  for (const auto& route : t.texts_or("routes", {})) {
+    try {
+      c.winch.routes.push_back(winch::NetId::parse(route));
+    } catch (const StartupError& error) {
+      t.fail("routes", error.what());
+    }
+  }
   read_number(t, "position_max_m", c.winch.plc.position_max_m, {0, c.world.winch.travel_m});
 }
 

@@ -14,14 +14,7 @@ constexpr auto kTimeoutDefault = std::chrono::milliseconds{100};
 constexpr auto kTimeoutMin = std::chrono::milliseconds{20};
 constexpr auto kTimeoutMax = std::chrono::milliseconds{500};
 
-// NC StateDWord and S-0-0135, S-0-0011
-constexpr std::uint32_t kAxisOperational = 1U << 0;
-constexpr std::uint32_t kAxisHomed = 1U << 1;
-constexpr std::uint32_t kAxisNotMoving = 1U << 2;
-constexpr std::uint32_t kAxisPositive = 1U << 9;
-constexpr std::uint32_t kAxisNegative = 1U << 10;
-constexpr std::uint32_t kAxisExternalGenerator = 1U << 14;
-constexpr std::uint32_t kAxisError = 1U << 31;
+// S-0-0135, S-0-0011
 constexpr std::uint16_t kDriveShutDown = 1U << 13;
 constexpr std::uint16_t kDriveReadyForPower = 1U << 14;
 constexpr std::uint16_t kDriveEnabled = 3U << 14;
@@ -43,15 +36,25 @@ double PlcProgram::set_point_m() const noexcept {
   return config_.wire_at_zero_travel_m + config_.pay_out_sign * position_m_;
 }
 
-void PlcProgram::cycle(LabTime t, const Measurement& measurement) {
+void PlcProgram::lose_power() {
+  PlcProgram fresh{config_};
+  fresh.position_m_ = fresh.measured_position_m_ = measured_position_m_;
+  fresh.t_last_ = t_last_;
+  fresh.running_ = false;
+  fresh.drive_fault_ = drive_fault_;
+  fresh.frozen_ = frozen_;
+  fresh.watchdog_tripped_ = watchdog_tripped_;
+  *this = fresh;
+}
+
+void PlcProgram::cycle(LabTime t, const Measurement& is, const Measurement& seen) {
   const double dt_s =
       t_last_ ? std::clamp(seconds(t - *t_last_), 0.0, kLongestStepPeriods * config_.task_period_s)
               : config_.task_period_s;
   t_ = t;
   t_last_ = t;
-  measurement_ = measurement;
-  measured_position_m_ = config_.pay_out_sign * (measurement.wire_length_m - config_.wire_at_zero_travel_m);
-  measured_velocity_mps_ = config_.pay_out_sign * measurement.wire_speed_mps;
+  sensed_ = seen;
+  measured_position_m_ = config_.pay_out_sign * (is.wire_length_m - config_.wire_at_zero_travel_m);
 
   if (running_) {
     take_command();
@@ -84,7 +87,7 @@ void PlcProgram::take_command() {
 }
 
 void PlcProgram::watch_heartbeat() {
-  communication_ok_ = t_beat_ && t_ - *t_beat_ < watchdog_time(command_);
+  communication_ok_ = !watchdog_tripped_ && t_beat_ && t_ - *t_beat_ < watchdog_time(command_);
 }
 
 void PlcProgram::decide() {
@@ -248,27 +251,30 @@ void PlcProgram::switch_brake() {
 void PlcProgram::write_status() {
   if (!frozen_) {
     ++cycle_count_;
-    t_plc_ = t_.time_since_epoch() + config_.clock_ahead + clock_jump_;
+    t_plc_ = clock(t_);
   }
   const bool error = state_ == PlcState::fault;
+  const double seen_position_m =
+      config_.pay_out_sign * (sensed_.wire_length_m - config_.wire_at_zero_travel_m);
   PlcStatus status;
   status.cycle_count = cycle_count_;
   status.heartbeat_echo = command_.heartbeat;
   status.sequence_echo = command_.sequence;
   status.t_plc = t_plc_;
-  status.position_m = measured_position_m_;
-  status.velocity_mps = measured_velocity_mps_;
+  status.position_m = seen_position_m;
+  status.velocity_mps = config_.pay_out_sign * sensed_.wire_speed_mps;
   status.set_position_m = position_m_;
-  status.following_error_m = position_m_ - measured_position_m_;
-  status.torque_nm = measurement_.motor_torque_nm;
-  status.motor_temperature_degc = measurement_.motor_temperature_degc;
+  status.following_error_m = position_m_ - seen_position_m;
+  status.torque_nm = sensed_.motor_torque_nm;
+  status.motor_temperature_degc = sensed_.motor_temperature_degc;
   status.position_min_m = config_.position_min_m;
   status.position_max_m = config_.position_max_m;
-  status.axis_state = kAxisHomed | (powered_ ? kAxisOperational | kAxisExternalGenerator : 0U) |
-                      (velocity_mps_ == 0  ? kAxisNotMoving
-                       : velocity_mps_ > 0 ? kAxisPositive
-                                           : kAxisNegative) |
-                      (error ? kAxisError : 0U);
+  status.axis_state = axis_state::homed |
+                      (powered_ ? axis_state::operational | axis_state::external_generator : 0U) |
+                      (velocity_mps_ == 0  ? axis_state::not_moving
+                       : velocity_mps_ > 0 ? axis_state::positive
+                                           : axis_state::negative) |
+                      (error ? axis_state::error : 0U);
   status.axis_error_id = error ? kDriveNotReady : 0U;
   status.drive_diagnosis = diagnosis_;
   status.watchdog_trips = watchdog_trips_;
@@ -278,11 +284,12 @@ void PlcProgram::write_status() {
   status.ready = !error;
   status.enabled = powered_ && state_ != PlcState::enabling;
   status.error = error;
-  status.at_min = measured_position_m_ <= config_.position_min_m + kNearLimitM;
-  status.at_max = measured_position_m_ >= config_.position_max_m - kNearLimitM;
+  status.at_min = seen_position_m <= config_.position_min_m + kNearLimitM;
+  status.at_max = seen_position_m >= config_.position_max_m - kNearLimitM;
   status.warning = command_refused_ || limited_;
   status.communication_ok = communication_ok_;
   status.homed = true;
+  status_ = status;
   LittleWriter writer{memory().subspan(kStatusAt, kStatusSize)};
   status.encode(writer);
 }

@@ -52,7 +52,9 @@ class PlcProgram {
   explicit PlcProgram(const PlcConfig& config);
 
   /// One run of the task. Call every task period; set points move by the time since the call before.
-  void cycle(LabTime t, const Measurement& measurement);
+  /// @param seen  what the sensors say where that is not what is; the status tells it
+  void cycle(LabTime t, const Measurement& is, const Measurement& seen);
+  void cycle(LabTime t, const Measurement& is) { cycle(t, is, is); }
 
   /// The bytes that ADS clients read and write: the command, then the status.
   [[nodiscard]] MutableBytes memory() noexcept { return memory_; }
@@ -67,15 +69,25 @@ class PlcProgram {
   /// The torque the client allows at the motor; 0: the drive's own limit.
   [[nodiscard]] double torque_limit_nm() const noexcept { return command_.torque_limit_nm; }
   [[nodiscard]] PlcState state() const noexcept { return state_; }
+  /// What the last cycle told; zeros before it.
+  [[nodiscard]] const PlcStatus& status() const noexcept { return status_; }
   /// Changes of the command's memory that were refused.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
   /// A stopped PLC runs no cycle: the status stands still, the drive ramps to rest and switches off.
   void run(bool running) noexcept { running_ = running; }
+  /// Power is gone, now: the brake closes, every variable is forgotten. It stands still until `run`.
+  void lose_power();
+  /// Takes the heartbeat for lost, whatever arrives.
+  void trip_watchdog(bool tripped) noexcept { watchdog_tripped_ = tripped; }
   /// Freezes nCycleCount and nTimestamp; everything else goes on.
   void freeze_cycle_count(bool frozen) noexcept { frozen_ = frozen; }
   /// From now on the clock shows so much more; the task goes on in its own time.
   void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
+  /// What the controller's clock shows, since 1970.
+  [[nodiscard]] Nanoseconds clock(LabTime t) const noexcept {
+    return t.time_since_epoch() + config_.clock_ahead + clock_jump_;
+  }
   /// A drive fault with its S-0-0390 number; nothing: the cause is gone (the latch stays).
   void drive_fault(std::optional<std::uint32_t> diagnosis) noexcept { drive_fault_ = diagnosis; }
 
@@ -117,14 +129,15 @@ class PlcProgram {
   bool running_ = true;
   bool frozen_ = false;
   bool limited_ = false;
+  bool watchdog_tripped_ = false;
   std::optional<std::uint32_t> drive_fault_;
   std::uint32_t diagnosis_ = 0;  ///< of the latched fault
 
   double position_m_ = 0;  ///< set point, axis
   double velocity_mps_ = 0;
   double measured_position_m_ = 0;
-  double measured_velocity_mps_ = 0;
-  Measurement measurement_{};
+  Measurement sensed_{};
+  PlcStatus status_{};
   std::uint32_t cycle_count_ = 0;
   Nanoseconds t_plc_{0};
   std::uint32_t watchdog_trips_ = 0;

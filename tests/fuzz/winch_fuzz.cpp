@@ -33,6 +33,28 @@ void walk(Bytes data) {
   if (!reader.ok()) std::abort();
 }
 
+void walk_entries(Bytes data) {
+  EntryReader symbols{data};
+  while (true) {
+    const auto next = symbols.next();
+    if (!next || !*next) break;
+    decode_and_compare<SymbolEntry>(**next, false);
+    const auto type = DataTypeEntry::decode(**next);
+    if (!type) continue;
+    EntryReader members{type->member_entries};
+    for (std::uint16_t i = 0; i < type->members; ++i) {
+      const auto member = members.next();
+      if (!member || !*member) std::abort();
+      (void)DataTypeEntry::decode(**member);
+    }
+  }
+}
+
+void walk_sums(Bytes data) {
+  for (std::size_t i = 0; i < data.size() / kSumItemSize; ++i) (void)sum_item(data, i);
+  for (std::size_t i = 0; i < data.size() / kSumReadWriteItemSize; ++i) (void)sum_read_write_item(data, i);
+}
+
 void take(Bytes data) {
   decode_and_compare<ReadRequest>(data);
   decode_and_compare<WriteRequest>(data);
@@ -49,7 +71,12 @@ void take(Bytes data) {
   decode_and_compare<SymbolEntry>(data, false);  // bytes behind the comment
   decode_and_compare<PlcCommand>(data, false);   // reserved bytes, BOOLs other than 1
   decode_and_compare<PlcStatus>(data, false);
+  decode_and_compare<UploadInfo>(data, data.size() == 24);
+  decode_and_compare<LegacyStatus>(data);
+  decode_and_compare<LegacyCommand>(data, false);  // BOOLs other than 1
   walk(data);
+  walk_entries(data);
+  walk_sums(data);
 }
 
 }  // namespace

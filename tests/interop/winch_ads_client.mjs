@@ -125,6 +125,50 @@ async function check(client) {
   await assert.rejects(client.readState({ adsPort: 500 }), "unknown port");
 }
 
+/// PLC mode: the client reads symbols and types by itself, and speaks in names and objects.
+async function checkSymbols(client) {
+  assert.ok(client.metaData.plcUploadInfo.symbolCount > 40, "upload info");
+  assert.equal(client.metaData.plcRuntimeState.adsState, 5, "watches the PLC's state");
+
+  const before = await client.readValue("GVL_Winch.stStatus.nCycleCount");
+  await sleep(50);
+  assert.ok((await client.readValue("gvl_winch.STSTATUS.ncyclecount")).value > before.value, "member by name, any case");
+  const status = (await client.readValue("GVL_Winch.stStatus")).value;
+  assert.equal(status.nLayoutVersion, 1, "struct by name");
+  assert.equal(status.bHomed, true);
+  assert.ok(Math.abs(status.fActPosition - 0.8) < 1, `fActPosition ${status.fActPosition}`);
+  assert.equal(Object.keys(status).length, 29, "every member");
+  const empty = (await client.readValue("GVL_Winch.stCommand")).value;
+  assert.deepEqual(empty.aReserved, [0, 0], "an array member");
+
+  await client.writeValue("GVL_Winch.stCommand.fSetVelocity", 0.125);
+  assert.equal((await client.readValue("GVL_Winch.stCommand.fSetVelocity")).value, 0.125, "member written by name");
+  await client.writeValue("GVL_Winch.stCommand", { ...empty, nLayoutVersion: 1, nHeartbeat: 77, nTimeoutMs: 500 });
+  await sleep(50);
+  assert.equal((await client.readValue("GVL_Winch.stStatus.nHeartbeatEcho")).value, 77, "struct written by name");
+
+  const types = await client.getDataTypes();
+  assert.ok(types["st_winchstatus"], "all types at once");
+  const symbols = await client.getSymbols();
+  assert.ok(symbols["main.winch.length_t"], "all symbols at once");
+  assert.equal((await client.readValue("MAIN.winch.eMode")).value, 0, "the laboratory's own names");
+  await assert.rejects(client.readValue("GVL_Winch.nothing"), "missing symbol");
+
+  const counts = [];
+  const structs = [];
+  const changes = [];
+  const a = await client.subscribeValue("GVL_Winch.stStatus.nCycleCount", (data) => counts.push(data.value), 10, true);
+  const b = await client.subscribeValue("GVL_Winch.stStatus", (data) => structs.push(data.value), 10, false);
+  const c = await client.subscribeValue("GVL_Winch.stStatus.nWatchdogTrips", (data) => changes.push(data.value), 10, true);
+  await sleep(1000);
+  assert.ok(counts.length > 50, `a member on change: ${counts.length}`);
+  assert.ok(structs.length > 50, `a struct, cyclic: ${structs.length}`);
+  assert.ok(structs.at(-1).nCycleCount > structs[0].nCycleCount);
+  assert.equal(changes.length, 1, "what does not change is told once");
+  for (const subscription of [a, b, c]) await client.unsubscribe(subscription);
+  assert.equal((await client.readState()).adsState, 5);
+}
+
 const { child, port } = await startServer(process.argv[2]);
 let status = 0;
 try {
@@ -137,6 +181,11 @@ try {
   await client.connect();
   await check(client);
   await client.disconnect();
+
+  const plc = new Client({ ...options(port, { localAmsNetId: "10.0.0.1.1.1", localAdsPort: 32751 }), rawClient: false });
+  await plc.connect();
+  await checkSymbols(plc);
+  await plc.disconnect();
   console.log("ads-client agrees with the simulated winch controller");
 } catch (error) {
   console.error(error);

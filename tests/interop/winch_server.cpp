@@ -26,6 +26,8 @@ int main(int argc, char** argv) {
   // An ideal drive: what it holds is what is measured; behind a closed brake the wire stays where it is.
   const LabTime start = clock.now();
   LabTime next_cycle = start;
+  LabTime last_cycle = start - kTaskPeriod;
+  double last_step_s = seconds(kTaskPeriod);  // the set point of the last cycle moved over this time
   winch::Measurement measurement{.wire_length_m = 2.0};
   boost::asio::steady_timer timer{io};
   std::function<void()> tick = [&] {
@@ -34,8 +36,10 @@ int main(int argc, char** argv) {
     if (now >= next_cycle) {
       const double before_m = measurement.wire_length_m;
       if (!device.brake_closed()) measurement.wire_length_m = device.set_point_m();
-      measurement.wire_speed_mps = (measurement.wire_length_m - before_m) / seconds(kTaskPeriod);
+      measurement.wire_speed_mps = (measurement.wire_length_m - before_m) / last_step_s;
       device.cycle(now, measurement);
+      last_step_s = seconds(now - last_cycle);
+      last_cycle = now;
       next_cycle += kTaskPeriod;
       if (next_cycle <= now) next_cycle = now + kTaskPeriod;
     }

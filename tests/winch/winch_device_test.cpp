@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
+#include <string>
 #include <vector>
 
 namespace motionlab::winch {
@@ -288,12 +290,175 @@ TEST(WinchDevice, RefusesAnUnknownFaultAndNamesTheKnown) {
   Client client;
   const auto status = client.dut.set_fault("explode", true);
   ASSERT_FALSE(status.ok());
-  for (const char* name : {"silent", "late", "drop_route", "stop_plc", "frozen_cycle", "drive_fault",
-                           "close_mid_frame", "half_frames", "outlier_100ms"}) {
+  EXPECT_EQ(status.fault().reason, Reason::refused);
+  std::istringstream names{std::string{faults::CommonFaults::kNames} + " " +
+                           std::string{WinchDevice::kOwnFaults}};
+  int n = 0;
+  for (std::string name; names >> name; ++n) {
     EXPECT_NE(status.fault().text.find(name), std::string_view::npos) << name;
     EXPECT_TRUE(client.dut.set_fault(name, true).ok()) << name;
     EXPECT_TRUE(client.dut.set_fault(name, false).ok()) << name;
   }
+  EXPECT_EQ(n, 19);
+}
+
+TEST(WinchDevice, IsOkAgainAfterEveryFault) {
+  std::istringstream names{std::string{faults::CommonFaults::kNames} + " " +
+                           std::string{WinchDevice::kOwnFaults}};
+  for (std::string name; names >> name;) {
+    if (name == "close_mid_frame") continue;  // it waits for a frame, and is over with it
+    Client client;
+    ASSERT_TRUE(client.dut.set_fault(name, true).ok());
+    client.dut.cycle(client.t += 5ms, {2.0, 0.0, 0.0, 40.0});
+    ASSERT_TRUE(client.dut.set_fault(name, false).ok());
+    client.dut.on_accepted(1, {0x0A000001, 5000}, client.t);
+    client.dut.cycle(client.t += 5ms, {2.0, 0.0, 0.0, 40.0});
+    client.ask(AdsCommand::read_state, NoData{});
+    EXPECT_EQ(client.data, (V{0, 0, 0, 0, 5, 0, 0, 0})) << name;
+    const auto status = PlcStatus::decode(client.read_write(0xF004, 0, 120, as_bytes("GVL_Winch.stStatus")));
+    ASSERT_TRUE(status.ok()) << name << ": " << status.fault().text;
+    EXPECT_EQ(status->position_m, 0.8) << name;
+  }
+}
+
+TEST(WinchDevice, MovesItsVariablesAndVoidsHandlesOnAnOnlineChange) {
+  Client client;
+  const auto status = client.handle("GVL_Winch.stStatus");
+  client.ask(AdsCommand::add_notification, AddNotificationRequest{0xF008, 0, 1, 4, 0ms, 0ms});
+  client.ask(AdsCommand::add_notification, AddNotificationRequest{0xF005, status, 120, 3, 0ms, 10ms});
+  const V before = client.read_write(0xF007, 0, 12, as_bytes("GVL_Winch.stStatus"));
+  const V version = client.read(0xF008, 0, 1);
+  client.bodies.clear();
+  ASSERT_TRUE(client.dut.set_fault("online_change", true).ok());
+  ASSERT_EQ(client.bodies.size(), 1U) << "the one-time hint";
+  const auto hint = decode_ams(client.bodies[0]);
+  ASSERT_TRUE(hint.ok());
+  NotificationReader samples = *NotificationReader::open(hint->data);
+  EXPECT_TRUE(samples.next()->sample.data.empty());
+  EXPECT_EQ(client.dut.subscriptions(), 1U) << "that of the symbol version lives on";
+  EXPECT_EQ(client.read(0xF008, 0, 1)[0], version[0] + 1);
+  (void)client.read(0xF005, status, 120);
+  EXPECT_EQ(client.result, 0x711U);
+  EXPECT_NE(client.read_write(0xF007, 0, 12, as_bytes("GVL_Winch.stStatus")), before);
+  EXPECT_EQ(client.read(0xF005, client.handle("GVL_Winch.stStatus"), 120).size(), 120U);
+}
+
+TEST(WinchDevice, TellsAllItsSymbolsAndTypesAtOnce) {
+  Client client;
+  const auto info = UploadInfo::decode(client.read(0xF00F, 0, 0xFFFFFFFF));
+  ASSERT_TRUE(info.ok());
+  const auto short_info = UploadInfo::decode(client.read(0xF00C, 0, 8));
+  ASSERT_TRUE(short_info.ok());
+  EXPECT_EQ(short_info->symbol_bytes, info->symbol_bytes);
+  const V all = client.read(0xF00B, 0, info->symbol_bytes);
+  ASSERT_EQ(all.size(), info->symbol_bytes);
+  EntryReader entries{all};
+  std::uint32_t n = 0;
+  bool found = false;
+  while (true) {
+    const auto next = entries.next();
+    ASSERT_TRUE(next.ok());
+    if (!*next) break;
+    const auto entry = SymbolEntry::decode(**next);
+    ASSERT_TRUE(entry.ok());
+    found = found || entry->name == "MAIN.winch.length_t";
+    ++n;
+  }
+  EXPECT_EQ(n, info->symbols);
+  EXPECT_TRUE(found);
+  const V types = client.read(0xF00E, 0, 0xFFFFFFFF);
+  EXPECT_EQ(types.size(), info->type_bytes);
+  EntryReader walk{types};
+  std::uint32_t members = 0;
+  for (std::uint32_t i = 0; i < info->types; ++i) {
+    const auto next = walk.next();
+    ASSERT_TRUE(next.ok() && next->has_value());
+    const auto type = DataTypeEntry::decode(**next);
+    ASSERT_TRUE(type.ok()) << type.fault().text;
+    members += type->members;
+  }
+  EXPECT_EQ(members, 16U + 29U);
+}
+
+TEST(WinchDevice, DescribesAStructMemberByMember) {
+  Client client;
+  const V bytes = client.read_write(0xF011, 0, 0xFFFFFFFF, as_bytes("st_winchcommand"));
+  const auto type = DataTypeEntry::decode(bytes);
+  ASSERT_TRUE(type.ok());
+  EXPECT_EQ(type->size, 64U);
+  EXPECT_EQ(type->members, 16U);
+  EntryReader members{type->member_entries};
+  for (const auto& member : command_members()) {
+    const auto next = members.next();
+    ASSERT_TRUE(next.ok() && next->has_value());
+    const auto entry = DataTypeEntry::decode(**next);
+    ASSERT_TRUE(entry.ok());
+    EXPECT_EQ(entry->name, member.name);
+    EXPECT_EQ(entry->offset, member.offset);
+    EXPECT_EQ(entry->size, member.size);
+  }
+  (void)client.read_write(0xF011, 0, 0xFFFFFFFF, as_bytes("LREAL"));
+  EXPECT_EQ(client.result, 0x710U) << "elementary types need no entry";
+}
+
+TEST(WinchDevice, ServesSumsOfReadWritesOfReadsWithLengthsAndOfSubscriptions) {
+  Client client;
+  std::array<std::uint8_t, 256> buffer{};
+  LittleWriter names{buffer};
+  SumReadWriteItem{0xF003, 0, 4, 13}.encode(names);
+  SumReadWriteItem{0xF007, 0, 12, 18}.encode(names);
+  SumReadWriteItem{0xF080, 0, 12, 0}.encode(names);
+  names.write_bytes(as_bytes("MAIN.winch.xx"));
+  names.write_bytes(as_bytes("GVL_Winch.stStatus"));
+  EXPECT_EQ(
+      client.read_write(0xF082, 3, 100, names.written()),
+      (V{0x10, 7,    0, 0, 0,  0, 0, 0, 0,   0, 0, 0, 12, 0, 0, 0, 2, 7, 0, 0, 0, 0, 0, 0,  // three results
+         0x40, 0x40, 0, 0, 64, 0, 0, 0, 120, 0, 0, 0}));
+  const auto status = client.handle("GVL_Winch.stStatus");
+  LittleWriter reads{buffer};
+  SumItem{0xF005, 0xDEAD, 4}.encode(reads);
+  SumItem{0xF005, status, 4}.encode(reads);
+  const V keeps = client.read_write(0xF083, 2, 100, reads.written());
+  EXPECT_EQ(keeps, (V{3, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}));
+  const V packed = client.read_write(0xF084, 2, 100, reads.written());
+  EXPECT_EQ(packed, (V{3, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 1, 0, 0, 0}));
+  LittleWriter subscribes{buffer};
+  AddNotificationRequest{0xF005, status, 120, 3, 0ms, 10ms}.encode(subscribes);
+  AddNotificationRequest{0xF005, 0xDEAD, 4, 3, 0ms, 10ms}.encode(subscribes);
+  const V handles = client.read_write(0xF085, 2, 16, subscribes.written());
+  EXPECT_EQ(handles, (V{0, 0, 0, 0, 1, 0, 0, 0, 3, 7, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(client.bodies.size(), 2U) << "the first sample follows";
+  EXPECT_EQ(client.read_write(0xF086, 2, 8, V{1, 0, 0, 0, 9, 0, 0, 0}), (V{0, 0, 0, 0, 0x14, 7, 0, 0}));
+  EXPECT_EQ(client.dut.subscriptions(), 0U);
+}
+
+TEST(WinchDevice, WithoutGvlWinchObeysTheLaboratorysOwnVariables) {
+  DeviceConfig config;
+  config.project = PlcProject::legacy;
+  Client client{config};
+  EXPECT_EQ(client.handle("GVL_Winch.stStatus"), 0U);
+  const auto speed = client.handle("MAIN.winch.u");
+  const auto enable = client.handle("MAIN.winch.bEnable");
+  const auto mode = client.handle("MAIN.winch.eModeCmd");
+  std::array<std::uint8_t, 8> value{};
+  store<std::endian::little>(value, 0.1);
+  double length = 2.0;
+  const auto run = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      if (!client.dut.brake_closed()) length = client.dut.set_point_m();
+      client.dut.cycle(client.t += 5ms, {length, 0.0, 0.0, 40.0});
+    }
+  };
+  run(10);
+  EXPECT_EQ(client.write(0xF005, enable, V{1}), 0U);
+  EXPECT_EQ(client.write(0xF005, mode, V{1}), 0U);
+  run(100);
+  EXPECT_EQ(client.write(0xF005, speed, value), 0U);
+  run(400);
+  EXPECT_NEAR(length, 2.2, 0.01) << "2 s at 0.1 m/s, and nobody wrote again: it has no watchdog";
+  EXPECT_EQ(client.write(0xF005, mode, V{0}), 0U);
+  const V told = client.read(0xF005, client.handle("MAIN.winch.length"), 8);
+  EXPECT_NEAR((load<double, std::endian::little>(told)), length - 1.2, 1e-9);
 }
 
 }  // namespace

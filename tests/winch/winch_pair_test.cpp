@@ -293,7 +293,7 @@ TEST(WinchPair, NamesTheWrongNetId) {
   EXPECT_TRUE(advises(bench, "AMS error 7")) << bench.driver_->health().advice();
   ASSERT_TRUE(bench.driver_->last_error().has_value());
   EXPECT_EQ(bench.driver_->last_error()->code, 7U);
-  EXPECT_EQ(bench.driver_->last_error()->level, WinchDriver::ErrorReport::Level::ams);
+  EXPECT_EQ(bench.driver_->last_error()->level, ErrorLevel::router);
 }
 
 TEST(WinchPair, NamesTheMissingPort) {
@@ -367,9 +367,8 @@ TEST(WinchPair, ReconnectsAfterAFrameThatEndsInTheMiddle) {
   EXPECT_EQ(bench.driver_->health().reconnects(), 1U);
 }
 
-TEST(WinchPair, DoesNotMindHalfFramesAndTinyChunks) {
+TEST(WinchPair, DoesNotMindTinyChunks) {
   Bench bench;
-  ASSERT_TRUE(bench.device_->set_fault("half_frames", true).ok());
   bench.network_.set_stream_fault(Bench::kPlc, {.chunk_bytes = 3});
   bench.run(1s);
   EXPECT_EQ(bench.driver_->health().phase(), LinkPhase::up);
@@ -380,7 +379,7 @@ TEST(WinchPair, DoesNotMindHalfFramesAndTinyChunks) {
 TEST(WinchPair, SkipsTicksWhileAReplyIsLateAndNeverQueues) {
   Bench bench;
   bench.engage();
-  ASSERT_TRUE(bench.device_->set_fault("late", true, 0.035).ok());
+  ASSERT_TRUE(bench.device_->set_fault("delayed", true, 0.035).ok());
   const auto before = bench.driver_->counters();
   bench.run(1s);
   const auto& after = bench.driver_->counters();
@@ -459,6 +458,45 @@ TEST(WinchPair, StopsInGoodOrder) {
   EXPECT_EQ(bench.last().watchdog_trips, 0U);
   bench.run(2s);
   EXPECT_EQ(bench.device_->sessions(), 0U) << "stopped for good";
+}
+
+TEST(WinchPair, GivesBackTheHandlesOfTheConnectionBefore) {
+  Bench bench;
+  bench.run(500ms);
+  for (int i = 0; i < 5; ++i) {
+    bench.network_.reset_streams(Bench::kPlc);
+    bench.run(3s);
+  }
+  EXPECT_EQ(bench.driver_->health().reconnects(), 5U);
+  EXPECT_EQ(bench.device_->handles(), 2U);
+  EXPECT_EQ(bench.device_->subscriptions(), 2U);
+}
+
+TEST(WinchPair, TellsTheLevelOfEveryTrouble) {
+  struct Trouble {
+    const char* fault;
+    double value;
+    const char* begins;
+    const char* says;
+  };
+  for (const auto& trouble :
+       {Trouble{"silent", 0, "AMS/TCP: ", "does not answer"},
+        Trouble{"drop_route", 0, "AMS router: ", "no route"},
+        Trouble{"router_error", 6, "AMS router: ", "AMS error 6"},
+        Trouble{"router_error", 0x502, "AMS router: ", "0x502 (1282), router mailbox full"},
+        Trouble{"ads_error", 0x708, "ADS device: ", "0x708 (1800), busy"},
+        Trouble{"ads_error", 0x712, "ADS device: ", "not in run"},
+        Trouble{"ads_error", 0x704, "ADS device: ", "0x704 (1796), access not permitted"},
+        Trouble{"drive_fault", 0xF011, "drive: ", "0xF011"},
+        Trouble{"watchdog_trip", 0, "PLC: ", "watchdog"}}) {
+    Bench bench;
+    bench.engage();
+    ASSERT_TRUE(bench.device_->set_fault(trouble.fault, true, trouble.value).ok());
+    bench.run(450ms);
+    const auto advice = bench.driver_->health().advice();
+    EXPECT_EQ(advice.find(trouble.begins), 0U) << trouble.fault << ": " << advice;
+    EXPECT_TRUE(advises(bench, trouble.says)) << trouble.fault << ": " << advice;
+  }
 }
 
 TEST(WinchPair, StopsAtOnceWhenThereIsNoLink) {

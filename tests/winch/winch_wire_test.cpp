@@ -536,6 +536,27 @@ TEST(WinchStructs, NameEveryMemberAtItsOffset) {
   EXPECT_EQ(offset_of(status_members(), "bLimitMax"), 119U);
 }
 
+TEST(WinchWire, RefusesEveryPrefixOfEveryPublishedFrame) {
+  const auto refused = [](Bytes frame) {
+    for (std::size_t n = 0; n < frame.size(); ++n) {
+      FrameSplitter splitter;
+      splitter.append(frame.first(n));
+      const auto next = splitter.next();
+      EXPECT_TRUE(next.ok() && !next->has_value()) << n << ": it waits for the rest";
+      const std::size_t body = std::max(n, kTcpHeaderSize) - kTcpHeaderSize;
+      EXPECT_FALSE(decode_ams(frame.subspan(kTcpHeaderSize, body)).ok()) << n;
+    }
+  };
+  refused(kWriteByHandle);
+  refused(kWriteReply);
+  refused(kNotification);
+  const Bytes write = Bytes{kWriteByHandle}.subspan(kFrameHeaderSize);
+  for (std::size_t n = 0; n < write.size(); ++n) EXPECT_FALSE(WriteRequest::decode(write.first(n)).ok());
+  const Bytes stream = Bytes{kNotification}.subspan(kFrameHeaderSize);
+  for (std::size_t n = 0; n < stream.size(); ++n)
+    EXPECT_FALSE(NotificationReader::open(stream.first(n)).ok());
+}
+
 TEST(WinchWire, SurvivesRandomBytesAndRandomlyDamagedFrames) {
   Random random{7, "winch wire"};
   const auto try_all = [](Bytes bytes) {

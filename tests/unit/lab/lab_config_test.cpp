@@ -99,6 +99,15 @@ TEST_F(LabConfigFile, RefusesValuesOutOfRange) {
   EXPECT_THAT(error_of("[devices.mru1]\nto = \"somewhere\"\n"), HasSubstr("to"));
 }
 
+TEST_F(LabConfigFile, LoadsTheWinchsProjectAndTheRoutesItKnows) {
+  const LabConfig c = load("[devices.winch]\nproject = \"legacy\"\nroutes = [\"192.168.90.70.1.1\"]\n");
+  EXPECT_EQ(c.winch.project, winch::PlcProject::legacy);
+  ASSERT_EQ(c.winch.routes.size(), 1U);
+  EXPECT_EQ(winch::to_string(c.winch.routes[0]), "192.168.90.70.1.1");
+  EXPECT_THAT(error_of("[devices.winch]\nroutes = [\"192.168.90.70\"]\n"), HasSubstr("not an AMS NetId"));
+  EXPECT_THAT(error_of("[devices.winch]\nproject = \"old\"\n"), HasSubstr("gvl_winch"));
+}
+
 TEST(LabConfig, RefusesAnUnknownScenarioAndListsThem) {
   LabConfig config;
   config.set_scenario("sea");
