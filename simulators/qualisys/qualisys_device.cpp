@@ -124,9 +124,11 @@ void QualisysDevice::capture(const CameraFrame& seen, LabTime t_exposure) {
   ++frames_;
   Pending& pending = pending_.emplace_back();
   pending.frame = frame_of(seen_, list_, config_.labels, faults_, common_.wrong_by());
-  pending.frame.timestamp_us = static_cast<std::uint64_t>((t_exposure - *t_start_) / 1us);
+  pending.frame.timestamp_us =
+      static_cast<std::uint64_t>(std::max(t_exposure - *t_start_ + clock_jump_, 0ns) / 1us);
   pending.frame.frame_number = faults_.is_on("stuck_frame_number") ? 1 : frame_number_;
-  pending.frame.timecode = timecode_of(config_.timecode, t_exposure, config_.camera_time_offset_s);
+  pending.frame.timecode =
+      timecode_of(config_.timecode, t_exposure + clock_jump_, config_.camera_time_offset_s);
 
   double delay_s = config_.latency_s;
   if (config_.jitter_s > 0.0) delay_s += jitter_.uniform(0.0, config_.jitter_s);

@@ -28,7 +28,7 @@ namespace motionlab::qualisys {
 
 struct DeviceConfig {
   std::vector<BodyDefinition> bodies{{"load", true}};  ///< in the order of XML and data
-  std::vector<std::string> labels;                     ///< of labelled markers, likewise
+  std::vector<std::string> labels{};                   ///< of labelled markers, likewise
   double rate_hz = 200.0;    ///< nominal: what `General` says, and the base of `Frequency:n`
   double latency_s = 0.007;  ///< exposure to sending
   double jitter_s = 0.0;     ///< added, uniform in [0, jitter); never reorders
@@ -42,7 +42,7 @@ struct DeviceConfig {
   std::uint16_t base_port = 22222;  ///< likewise; the little-endian port is the next
   bool measures_at_start = true;    ///< false: QTM waits for somebody to say `New`
   bool control_enabled = true;      ///< clients may become master
-  std::string password;             ///< that a master must know; empty: none
+  std::string password{};           ///< that a master must know; empty: none
   bool file_is_open = false;        ///< there is a measurement that `Start RTFromFile` can play
   bool waits_for_trigger = false;   ///< `Start` waits for `Trig`
 };
@@ -74,6 +74,8 @@ class QualisysDevice final : public ServerEvents {
   void capture(const CameraFrame& frame, LabTime t_exposure);
   /// Sends what is due.
   void step(LabTime now);
+  /// From now on the server's own clock shows so much more, its time stamps with it; 0: right again.
+  void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
 
   /// Begins or ends a fault. Faults: refused for a name that is not known (`DeviceFaults::kNames`) or a body
   /// that is not there.
@@ -199,6 +201,7 @@ class QualisysDevice final : public ServerEvents {
   std::optional<SessionKey> master_;
   LabTime now_{};
   Event state_ = Event::capture_started;
+  Nanoseconds clock_jump_{0};
   std::optional<LabTime> t_start_;  ///< exposure of the measurement's first frame
   std::uint64_t exposures_ = 0;
   std::uint32_t frame_number_ = 0;

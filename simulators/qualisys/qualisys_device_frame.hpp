@@ -34,9 +34,9 @@ struct MeasuredMarker {
 
 /// What the cameras saw in one exposure. Bodies and labels of the device's lists that are not here are lost.
 struct CameraFrame {
-  std::vector<MeasuredBody> bodies;
-  std::vector<MeasuredMarker> markers;
-  std::vector<UnlabelledMarker> unlabelled;
+  std::vector<MeasuredBody> bodies{};
+  std::vector<MeasuredMarker> markers{};
+  std::vector<UnlabelledMarker> unlabelled{};
   double drop_rate = 0.0;         ///< 0…1
   double out_of_sync_rate = 0.0;  ///< 0…1
 };

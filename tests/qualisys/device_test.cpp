@@ -172,7 +172,7 @@ TEST_F(QualisysDeviceTest, StreamsToTheClientsOwnAddressWithoutAnyReply) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->frame_number, 3u);
   EXPECT_EQ(frame->timestamp_us, 10'000u) << "exposure time since the first frame, not sending time";
-  EXPECT_TRUE(frame->body[0].tracked);
+  EXPECT_TRUE(frame->bodies.all[0].tracked);
   EXPECT_FALSE(frame->timecode) << "not switched on in this system";
   EXPECT_THAT(server.heard(1), IsEmpty());
   EXPECT_THAT(ask("StreamFrames Stop"), IsEmpty());
@@ -240,7 +240,8 @@ TEST_F(QualisysDeviceTest, SaysNoMoreDataWhileNothingIsMeasured) {
 }
 
 TEST_F(QualisysDeviceTest, SendsTheCameraTimeWhenThatIsSwitchedOn) {
-  QualisysDevice device{{.camera_time = true, .camera_time_offset_s = 100.0}, server, datagrams};
+  QualisysDevice device{
+      {.timecode = TimecodeSource::camera, .camera_time_offset_s = 100.0}, server, datagrams};
   device.on_accepted(7, kPeer, now);
   for (const char* command : {"Version 1.25", "StreamFrames AllFrames UDP:50199 6DRes Timecode"})
     device.on_bytes(7, encode_text(PacketType::command, command), now);
@@ -248,7 +249,7 @@ TEST_F(QualisysDeviceTest, SendsTheCameraTimeWhenThatIsSwitchedOn) {
   device.step(LabTime{3s});
   const auto frame = decode_data(decode_datagram(datagrams.sent.at(0).second)->payload);
   EXPECT_EQ(frame->timecode, (Timecode{CameraTime{102s}}));
-  EXPECT_FALSE(frame->body[0].tracked) << "a body that no camera saw is lost";
+  EXPECT_FALSE(frame->bodies.all[0].tracked) << "a body that no camera saw is lost";
 }
 
 TEST_F(QualisysDeviceTest, SendsWhenTheLatencyHasPassedAndInOrder) {
@@ -303,9 +304,34 @@ TEST_F(QualisysDeviceTest, RefusesAFaultItDoesNotKnowAndNamesThoseItDoes) {
   const Status status = dut.set_fault("explode", true);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.fault().reason, Reason::refused);
-  for (const char* name :
-       {"silent", "occlude", "loss", "late", "stop_measurement", "restart_timestamp", "stuck_frame_number",
-        "close_mid_frame", "foreign", "truncate", "oversize", "body_list_change"}) {
+  for (const char* name : {"off",
+                           "stuck",
+                           "garbage",
+                           "wrong",
+                           "slow",
+                           "delayed",
+                           "intermittent",
+                           "silent",
+                           "occlude",
+                           "residual",
+                           "drop_rate",
+                           "out_of_sync",
+                           "skip_frames",
+                           "stop_measurement",
+                           "calibrate",
+                           "restart",
+                           "restart_timestamp",
+                           "stuck_frame_number",
+                           "close_mid_frame",
+                           "half_open",
+                           "no_state",
+                           "split_header",
+                           "split_frame",
+                           "oversize",
+                           "old_version",
+                           "body_list_change",
+                           "matrix_by_rows",
+                           "other_angles"}) {
     EXPECT_THAT(std::string{status.fault().text}, HasSubstr(name));
     EXPECT_TRUE(dut.set_fault(name, false)) << name;
   }
