@@ -20,6 +20,14 @@ LabTime no_earlier(LabTime t, LabTime than) {
   return std::max(t, than);
 }
 
+/// Whether there is something to send of a component; the others stay away.
+bool has(const DataFrame& frame, Component component) {
+  std::array<std::uint8_t, kDatagramLimit> buffer;
+  constexpr std::size_t kEmpty = 24;
+  const auto packet = encode_data(frame, {component}, buffer);
+  return packet && packet->size() > kEmpty;
+}
+
 }  // namespace
 
 QualisysDevice::QualisysDevice(DeviceConfig config, ServerOut& server, DatagramOut& datagrams)
@@ -187,7 +195,7 @@ void QualisysDevice::deliver(Session& session, const DataFrame& frame, const Com
   };
   if (!udp || !faults_.is_on("split_frame")) return send_part(components);
   for (const ComponentWord& entry : kComponentWords)
-    if (components.has(entry.component)) send_part({entry.component});
+    if (components.has(entry.component) && has(frame, entry.component)) send_part({entry.component});
 }
 
 /// Whether the stream gets this frame: every n-th, or as many of them as its frequency asks for.

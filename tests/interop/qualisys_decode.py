@@ -237,7 +237,9 @@ def check_control(port):
     for command, answer, event in [("Close", "Closing connection", 2), ("New", "Creating new connection", 1),
                                    ("Start", "Starting measurement", 3)]:
         expect(master.ask(command) == answer, command)
-        expect(master.event() == bytes([event]) and watcher.next(EVENT, NO_MORE_DATA) is not None, command)
+        expect(master.event() == bytes([event]), f"the event of {command}")
+        while watcher.next(EVENT, NO_MORE_DATA) != (EVENT, bytes([event])):
+            pass
     expect(master.refused("Start") == "Measurement is already running", "start twice")
     watcher.next(DATA)
     settings = "<QTM_Settings><The_6D><Body><Name>other</Name></Body></The_6D></QTM_Settings>"

@@ -104,10 +104,10 @@ INSTANTIATE_TEST_SUITE_P(Newest, QualisysVersions,
                                           testing::Values(std::endian::little, std::endian::big),
                                           testing::Bool(), testing::Bool()),
                          [](const auto& test) {
-                           const auto& [newest, order, udp, camera_time] = test.param;
-                           return "1_" + std::to_string(newest) +
-                                  (order == std::endian::little ? "_little" : "_big") +
-                                  (udp ? "_udp" : "_tcp") + (camera_time ? "_camera_time" : "");
+                           return "1_" + std::to_string(std::get<0>(test.param)) +
+                                  (std::get<1>(test.param) == std::endian::little ? "_little" : "_big") +
+                                  (std::get<2>(test.param) ? "_udp" : "_tcp") +
+                                  (std::get<3>(test.param) ? "_camera_time" : "");
                          });
 
 }  // namespace
