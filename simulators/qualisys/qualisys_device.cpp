@@ -12,20 +12,13 @@ namespace {
 
 constexpr std::size_t kCommandLimit = 65536;
 constexpr std::size_t kAnswersMax = 256;
+constexpr std::size_t kEmptyFrameSize = 24;  ///< of a data packet without components
 constexpr Nanoseconds kGoodbyeTime = 100ms;
 constexpr int kFirstVersionWithSubFrames = 27;
 
 /// Keeps what clients see from going back in time when a delay ends.
 LabTime no_earlier(LabTime t, LabTime than) {
   return std::max(t, than);
-}
-
-/// Whether there is something to send of a component; the others stay away.
-bool has(const DataFrame& frame, Component component) {
-  std::array<std::uint8_t, kDatagramLimit> buffer;
-  constexpr std::size_t kEmpty = 24;
-  const auto packet = encode_data(frame, {component}, buffer);
-  return packet && packet->size() > kEmpty;
 }
 
 }  // namespace
@@ -183,19 +176,20 @@ void QualisysDevice::deliver(Session& session, const DataFrame& frame, const Com
       return deliver(session, without, components, udp);
     }
   }
+  const bool splits = udp && faults_.is_on("split_frame");
   const auto send_part = [&](const Components& part) {
     // One byte is kept free for a fault.
     const auto packet =
         encode_data(frame, part, MutableBytes{packet_}.first(packet_.size() - 1), session.key.order);
-    if (!packet) return;
+    if (!packet || (splits && packet->size() == kEmptyFrameSize)) return;
     if (udp)
       send_datagram(*udp, MutableBytes{packet_}.first(packet->size() + (faults_.is_on("oversize") ? 1 : 0)));
     else
       send_data(session, *packet);
   };
-  if (!udp || !faults_.is_on("split_frame")) return send_part(components);
+  if (!splits) return send_part(components);
   for (const ComponentWord& entry : kComponentWords)
-    if (components.has(entry.component) && has(frame, entry.component)) send_part({entry.component});
+    if (components.has(entry.component)) send_part({entry.component});
 }
 
 /// Whether the stream gets this frame: every n-th, or as many of them as its frequency asks for.
