@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "drivers/qualisys/qualisys_driver_faults.hpp"
+#include "drivers/qualisys/qualisys_wire_text.hpp"
+
 namespace motionlab::qualisys {
 
 namespace {
 
 using State = QualisysDriver::State;
 
-constexpr std::string_view kVersionCommand = "Version 1.25";
-constexpr std::string_view kVersionAnswer = "Version set to 1.25";
-
-/// A time stamp that goes back by less than this is a late datagram, by more it may be a new measurement.
-constexpr std::uint64_t kRestart_us = 500'000;
-/// A wrong number of bodies makes us read the list again, but not at the pace of the frames.
-constexpr Nanoseconds kListPause = 1s;
+/// Newer ones have nothing that we use; older ones describe bodies otherwise.
+constexpr int kNewestVersionMinor = 25;
+constexpr int kOldestVersionMinor = 21;
 
 constexpr std::string_view kIdleAdvice =
     "QTM does not measure: start a preview, a capture or a real-time playback of a file";
@@ -23,8 +22,11 @@ constexpr std::string_view kNoListAdvice =
     "QTM gives no list of rigid bodies: check that 6DOF tracking is switched on in the project";
 constexpr std::string_view kSilentAdvice =
     "QTM measures but no frames arrive: check that the host's firewall admits the UDP port of the stream";
-constexpr std::string_view kWrongCountAdvice =
-    "frames hold another number of bodies than QTM's list: reading the list again";
+constexpr std::string_view kAmbiguousAdvice =
+    "more than one pair of markers has the hook's spacing: cover the others, or label them in QTM";
+constexpr Fault kNotQtm{
+    Reason::bad_header,
+    "the greeting is not QTM's: check address, port and byte order (22223 is little-endian)"};
 
 /// Whether QTM measures, of the events that tell.
 std::optional<bool> measures(Event event) noexcept {
@@ -51,7 +53,7 @@ Fault no_answer(State state) noexcept {
       return {Reason::transport, "QTM cannot be reached: check that it runs, its address, and the network"};
     case State::welcome:
       return {Reason::transport,
-              "no greeting from QTM: check that the port is the little-endian one (22223)"};
+              "no greeting from QTM: check address and port (22223 is little-endian, 22224 big-endian)"};
     case State::bodies:
       return {Reason::transport, "QTM does not answer GetParameters: connecting again"};
     default:
@@ -59,10 +61,12 @@ Fault no_answer(State state) noexcept {
   }
 }
 
-std::string make_stream_command(std::uint16_t udp_port) {
+std::string make_stream_command(const DriverConfig& config) {
   std::string text = "StreamFrames AllFrames ";
-  if (udp_port != 0) text += "UDP:" + std::to_string(udp_port) + " ";
-  return text + "6DRes Timecode";
+  if (config.udp_port != 0) text += "UDP:" + std::to_string(config.udp_port) + " ";
+  text += "6DRes ";
+  if (!config.hook.name.empty()) text += "3DNoLabels ";
+  return text + "Timecode";
 }
 
 }  // namespace
@@ -71,9 +75,13 @@ QualisysDriver::QualisysDriver(DriverConfig config, StreamOut& control, Sink<top
     : config_(std::move(config)),
       control_(control),
       sink_(std::move(sink)),
+      splitter_(kStreamPacketLimit, config_.byte_order),
       clock_({.latency = from_seconds(config_.latency_s)}),
-      stream_command_(make_stream_command(config_.udp_port)),
-      backoff_s_(config_.backoff_min_s) {
+      stream_command_(make_stream_command(config_)),
+      version_minor_(kNewestVersionMinor),
+      backoff_s_(config_.backoff_min_s),
+      pair_(config_.hook) {
+  hook_.name = config_.hook.name;
   for (const std::string& name : config_.bodies) {
     Wanted body;
     body.name = name;
@@ -106,7 +114,7 @@ void QualisysDriver::on_bytes(Bytes bytes, LabTime t_received) {
   t_bytes_ = t_received;
   splitter_.push(bytes);
   while (const auto packet = splitter_.next()) {
-    if (!*packet) return fail(packet->fault(), t_received);
+    if (!*packet) return fail(state_ == State::welcome ? kNotQtm : packet->fault(), t_received);
     on_packet(**packet, t_received);
     if (state_ == State::down) return;
   }
@@ -122,6 +130,8 @@ void QualisysDriver::connect(LabTime now) {
   list_refused_ = false;
   wrong_count_ = false;
   silent_ = false;
+  version_minor_ = kNewestVersionMinor;
+  orientation_.reset();
   forget_time();
   health_.phase(LinkPhase::connecting);
   enter(State::connecting, now);
@@ -146,7 +156,7 @@ void QualisysDriver::enter(State state, LabTime now) noexcept {
 }
 
 void QualisysDriver::command(std::string_view text, LabTime now) {
-  const Status sent = control_.send(encode_text(PacketType::command, text));
+  const Status sent = control_.send(encode_text(PacketType::command, text, config_.byte_order));
   if (!sent) fail(sent.fault(), now);
 }
 
@@ -168,6 +178,11 @@ void QualisysDriver::step(LabTime now) {
 
   if (showing_ && now - t_frame_ > from_seconds(config_.stale_after_periods * config_.frame_period_s))
     lose_all(now);
+  if (showing_ && orientation_.due(now)) {
+    orientation_.asked(now);
+    command("GetCurrentFrame 6D 6DEuler", now);
+    if (state_ == State::down) return;
+  }
   const Nanoseconds pause = from_seconds(config_.probe_after_s);
   const bool no_frames = state_ == State::idle || (state_ == State::streaming && now - t_frame_ >= pause);
   if (no_frames && !probing_ && now - t_probe_ >= pause) probe(now);
@@ -199,8 +214,7 @@ void QualisysDriver::on_packet(const Packet& packet, LabTime t) {
         health_.rejected(event.fault());
       return;
     case PacketType::data:
-      if (config_.udp_port == 0) return on_frame(packet.payload, t);
-      break;
+      return config_.udp_port == 0 ? on_frame(packet.payload, t) : on_checked_frame(packet.payload);
     default:
       break;
   }
@@ -212,15 +226,10 @@ void QualisysDriver::on_text(PacketType type, std::string_view text, LabTime t) 
   switch (state_) {
     case State::welcome:
       if (error) return fail({Reason::refused, "QTM refuses the connection: it has too many clients"}, t);
-      if (!text.starts_with(kWelcome))
-        return fail({Reason::bad_header, "the greeting is not QTM's: check address and port (22223)"}, t);
-      enter(State::version, t);
-      return command(kVersionCommand, t);
+      if (!text.starts_with(kWelcome)) return fail(kNotQtm, t);
+      return ask_version(t);
     case State::version:
-      if (error || text != kVersionAnswer)
-        return fail({Reason::refused, "QTM does not speak protocol 1.25: update QTM"}, t);
-      enter(State::qtm_version, t);
-      return command("QTMVersion", t);
+      return on_version(type, text, t);
     case State::qtm_version:
       qtm_version_ = error ? std::string_view{} : text;  // only for people: its absence is no fault
       enter(State::get_state, t);
@@ -241,9 +250,30 @@ void QualisysDriver::on_text(PacketType type, std::string_view text, LabTime t) 
     health_.rejected({Reason::unexpected, "QTM answered what was not asked"});
 }
 
+void QualisysDriver::ask_version(LabTime now) {
+  enter(State::version, now);
+  command("Version 1." + std::to_string(version_minor_), now);
+}
+
+/// A refusal may come as an error or as an answer: the documentation does not say.
+void QualisysDriver::on_version(PacketType type, std::string_view text, LabTime t) {
+  if (type == PacketType::error || same_name(text, "Version NOT supported")) {
+    if (version_minor_ == kOldestVersionMinor)
+      return fail(
+          {Reason::refused, "QTM speaks none of the protocols 1.25 to 1.21: update QTM (2021 or newer)"}, t);
+    --version_minor_;
+    return ask_version(t);
+  }
+  if (text != "Version set to 1." + std::to_string(version_minor_))
+    return fail({Reason::refused, "QTM set another protocol version than asked for: connecting again"}, t);
+  enter(State::qtm_version, t);
+  command("QTMVersion", t);
+}
+
 void QualisysDriver::on_event(Event event, LabTime t) {
   if (event == Event::shutting_down) return fail({Reason::transport, "QTM was closed: start it again"}, t);
   if (event == Event::camera_settings_changed) {
+    orientation_.reset();
     if (state_ == State::streaming) return read_bodies(false, t);
     list_outdated_ = state_ == State::bodies;
     return;
@@ -337,124 +367,17 @@ void QualisysDriver::on_body_list(std::string_view xml, LabTime t) {
   command(stream_command_, t);
 }
 
-// Frames
-// -------------------------------------------------------------------------------------------------------
-
-void QualisysDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received) {
-  if (config_.server_address != 0 && from.address != config_.server_address)
-    return health_.rejected(
-        {Reason::foreign, "datagram on the stream's port from another address than QTM's"});
-  const auto packet = decode_datagram(datagram);
-  if (!packet) return health_.rejected(packet.fault());
-  if (packet->type == PacketType::data) return on_frame(packet->payload, t_received);
-  if (packet->type == PacketType::no_more_data) return on_no_more_data(t_received);
-  health_.rejected({Reason::bad_header, "datagram on the stream's port is not a data packet"});
-}
-
-void QualisysDriver::on_frame(Bytes payload, LabTime t_received) {
-  if (state_ != State::streaming)
-    return health_.rejected({Reason::unexpected, "frame while none was expected: ignored"});
-  const auto frame = decode_data(payload);
-  if (!frame) return health_.rejected(frame.fault());
-  if (!frame->has_bodies)
-    return health_.rejected({Reason::unexpected, "frame without the rigid bodies that were asked for"});
-  if (!is_new(*frame)) return;
-  if (frame->body_count != list_.size()) {
-    health_.rejected({Reason::bad_value, kWrongCountAdvice});
-    wrong_count_ = true;
-    lose_all(t_received);
-    advise();
-    if (t_received - t_list_ >= kListPause) read_bodies(false, t_received);
-    return;
-  }
-  publish(*frame, t_received);
-}
-
-/// Whether the frame is newer than the last, or the first of a measurement that started again. The time stamp
-/// decides: the frame number stands still in some live modes, and its gaps are normal.
-bool QualisysDriver::is_new(const DataFrame& frame) {
-  if (has_last_ && frame.timestamp_us == last_.timestamp_us) {
-    health_.rejected({Reason::duplicate, "frame came twice"});
-    return false;
-  }
-  if (has_last_ && frame.timestamp_us < last_.timestamp_us) {
-    const bool far_back = last_.timestamp_us - frame.timestamp_us > kRestart_us;
-    const bool confirmed = far_back && restart_us_ && frame.timestamp_us > *restart_us_ &&
-                           frame.timestamp_us - *restart_us_ < kRestart_us;
-    if (!confirmed) {
-      restart_us_ = far_back ? std::optional{frame.timestamp_us} : std::nullopt;
-      health_.rejected({Reason::out_of_order, "frame is older than the one before"});
-      return false;
-    }
-    forget_time();
-  }
-  if (has_last_ && frame.frame_number > last_.frame_number)
-    health_.lost(frame.frame_number - last_.frame_number - 1);
-  restart_us_.reset();
-  last_ = frame;
-  has_last_ = true;
-  return true;
-}
-
-void QualisysDriver::publish(const DataFrame& frame, LabTime t_received) {
-  const auto* camera = frame.timecode ? std::get_if<CameraTime>(&*frame.timecode) : nullptr;
-  if (std::exchange(has_camera_time_, camera != nullptr) != (camera != nullptr)) clock_.reset();
-  const Nanoseconds t_device =
-      camera ? camera->since_epoch : Nanoseconds{static_cast<std::int64_t>(frame.timestamp_us) * 1000};
-  t_measured_ = clock_.map(t_device, t_received);
-  t_frame_ = t_received;
-  showing_ = true;
-  health_.accepted(t_measured_, t_received);
-  if (silent_ || wrong_count_) {
-    silent_ = wrong_count_ = false;
-    advise();
-  }
-  for (Wanted& body : wanted_)
-    tell(body, body.index ? frame.body[*body.index] : BodyPose{}, frame, t_measured_, t_received);
-}
-
-void QualisysDriver::tell(Wanted& body, const BodyPose& pose, const DataFrame& frame, LabTime t_measured,
-                          LabTime t_received) {
-  topic::Bodies sample;
-  sample.device = config_.device;
-  sample.body = body.name;
-  sample.sequence_number = ++body.sequence_number;
-  sample.t_measured_ns = to_ns(t_measured);
-  sample.t_received_ns = to_ns(t_received);
-  sample.frame_number = frame.frame_number;
-  sample.tracked = pose.tracked;
-  sample.p_camera_body_m = pose.p_camera_body_m;
-  sample.q_camera_body = pose.q_camera_body;
-  sample.residual_m = pose.residual_m;
-  sample.drop_rate = frame.drop_rate;
-  sample.out_of_sync_rate = frame.out_of_sync_rate;
-  sink_(sample);
-}
-
-/// Says once of every body that it is not seen any more. Stamped with the first exposure that is missing, so
-/// that stamps never go back, even when a stalled network still holds frames.
-void QualisysDriver::lose_all(LabTime now) {
-  if (!std::exchange(showing_, false)) return;
-  const LabTime t_measured = std::min(t_measured_ + from_seconds(config_.frame_period_s), now);
-  for (Wanted& body : wanted_) tell(body, BodyPose{}, last_, t_measured, now);
-}
-
-void QualisysDriver::forget_time() noexcept {
-  clock_.reset();
-  has_last_ = false;
-  restart_us_.reset();
-}
-
 void QualisysDriver::advise() noexcept {
   if (list_refused_) return health_.advice(kNoListAdvice);
   if (state_ == State::idle) return health_.advice(kIdleAdvice);
-  if (wrong_count_) return health_.advice(kWrongCountAdvice);
+  if (wrong_count_) return health_.advice(kWrongCount.text);
   if (silent_) return health_.advice(kSilentAdvice);
   for (const Wanted& body : wanted_) {
     if (!body.index) return health_.advice(body.missing_advice);
     if (!body.enabled) return health_.advice(body.disabled_advice);
   }
-  health_.advice({});
+  if (pair_.ambiguous()) return health_.advice(kAmbiguousAdvice);
+  health_.advice(orientation_.advice());
 }
 
 }  // namespace motionlab::qualisys

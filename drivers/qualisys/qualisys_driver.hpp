@@ -1,6 +1,7 @@
-/// @file  Our end of a Qualisys camera system: a client of QTM's real-time protocol 1.25.
+/// @file  Our end of a Qualisys camera system: a client of QTM's real-time protocol 1.25 … 1.21.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "drivers/core/network.hpp"
 #include "drivers/core/sink.hpp"
 #include "drivers/core/time.hpp"
+#include "drivers/qualisys/qualisys_driver_hook.hpp"
+#include "drivers/qualisys/qualisys_driver_order.hpp"
+#include "drivers/qualisys/qualisys_driver_orientation.hpp"
 #include "drivers/qualisys/qualisys_wire.hpp"
 #include "drivers/qualisys/qualisys_wire_data.hpp"
 #include "drivers/qualisys/qualisys_wire_xml.hpp"
@@ -23,27 +27,35 @@ namespace motionlab::qualisys {
 struct DriverConfig {
   std::string device = "qualisys";          ///< name on the topics
   std::vector<std::string> bodies{"load"};  ///< names in QTM, in any case of letters
-  std::uint32_t server_address = 0;         ///< datagrams are taken from here only; 0: from anywhere (tests)
-  std::uint16_t udp_port = 0;               ///< our bound port, where QTM shall send; 0: stream over TCP
-  double latency_s = 0.007;                 ///< exposure to arrival, published figure for Oqus cameras
-  double frame_period_s = 0.005;            ///< nominal, of the real-time stream
-  double stale_after_periods = 5.0;         ///< without a frame for so long the bodies are lost
-  double probe_after_s = 1.0;               ///< without a frame for so long the server is asked for its state
-  double reply_timeout_s = 2.0;             ///< for a connection, and for each answer
-  double backoff_min_s = 0.5;               ///< from a failure to the next attempt; doubles …
-  double backoff_max_s = 5.0;               ///< … up to this, until an attempt gets the list of bodies
+  HookConfig hook;                          ///< a body that QTM does not know: two markers without labels
+  std::endian byte_order = std::endian::little;  ///< of the server's port: base + 1 is little, base + 2 big
+  std::uint32_t server_address = 0;  ///< datagrams are taken from here only; 0: from anywhere (tests)
+  std::uint16_t udp_port = 0;        ///< our bound port, where QTM shall send; 0: stream over TCP
+  double latency_s = 0.007;          ///< exposure to arrival, published figure for Oqus cameras
+  double frame_period_s = 0.005;     ///< nominal, of the real-time stream
+  double stale_after_periods = 5.0;  ///< without a frame for so long the bodies are lost
+  double probe_after_s = 1.0;        ///< without a frame for so long the server is asked for its state
+  double reply_timeout_s = 2.0;      ///< for a connection, and for each answer
+  double backoff_min_s = 0.5;        ///< from a failure to the next attempt; doubles …
+  double backoff_max_s = 5.0;        ///< … up to this, until an attempt gets the list of bodies
 };
 
 /// Connects to QTM, asks for its rigid bodies and tells every frame of the wanted ones.
 ///
-/// One `topic::Bodies` sample per wanted body and frame, also while it is lost or unknown to QTM (`tracked`
-/// false, pose zero). When frames stop coming (stale, measurement stopped, connection lost, list of bodies
-/// changed), one more sample per body says `tracked` false, measured one period after the last frame: no
-/// reader keeps a pose. Before the first frame nothing is told.
+/// Speaks the newest protocol that both know, from 1.25 down to 1.21; before that, bodies are described
+/// otherwise, and it fails and says so.
+///
+/// One `topic::Bodies` sample per wanted body (and hook) and frame, also while it is lost or unknown to QTM
+/// (`tracked` false, pose zero). When frames stop coming (stale, measurement stopped, connection lost, list
+/// of bodies changed), one more sample per body says `tracked` false, measured one period after the last
+/// frame: no reader keeps a pose. Before the first frame nothing is told.
 ///
 /// `t_measured_ns` is the exposure: QTM's time stamp (or the camera time, when QTM sends it) mapped through a
 /// `DeviceClock` with the configured latency. A time stamp that starts again is believed once two frames in a
 /// row say so; until then a frame older than the last is late, and dropped.
+///
+/// Once per connection and change of settings it asks for one frame with the angles of the bodies too, and
+/// compares (`OrientationCheck`); what does not agree stands in the advice.
 ///
 /// QTM is never controlled: measurements are started and stopped by people. Its end of a measurement is not a
 /// fault: the link stays up, the advice says what is missing.
@@ -57,7 +69,7 @@ class QualisysDriver final : public StreamEvents {
     down,         ///< no connection; the next attempt waits
     connecting,   ///< waits for the connection
     welcome,      ///< waits for the server's greeting
-    version,      ///< waits for `Version set to 1.25`
+    version,      ///< waits for the answer to a version: 1.25 first, an older one after each refusal
     qtm_version,  ///< waits for the version of QTM
     get_state,    ///< waits for the event that tells the state
     bodies,       ///< waits for the list of bodies
@@ -65,7 +77,7 @@ class QualisysDriver final : public StreamEvents {
     idle,         ///< QTM does not measure; asked again now and then
   };
 
-  /// @param control  the TCP connection to QTM's little-endian port (base + 1)
+  /// @param control  the TCP connection to QTM's port of the configured byte order
   QualisysDriver(DriverConfig config, StreamOut& control, Sink<topic::Bodies> sink);
 
   void on_open(LabTime t) override;
@@ -80,6 +92,9 @@ class QualisysDriver final : public StreamEvents {
   [[nodiscard]] State state() const noexcept { return state_; }
   /// What the server calls itself, for the log; empty before it was asked.
   [[nodiscard]] std::string_view qtm_version() const noexcept { return qtm_version_; }
+  /// The protocol 1.n that is spoken, or tried.
+  [[nodiscard]] int version_minor() const noexcept { return version_minor_; }
+  [[nodiscard]] OrientationCheck::Verdict orientation() const noexcept { return orientation_.verdict(); }
   /// Laboratory time minus device time, for `motionlab/health`.
   [[nodiscard]] const DeviceClock& clock() const noexcept { return clock_; }
 
@@ -94,10 +109,19 @@ class QualisysDriver final : public StreamEvents {
     std::uint64_t sequence_number = 0;
   };
 
+  /// What a sample repeats of its frame.
+  struct FrameHead {
+    std::uint32_t frame_number = 0;
+    double drop_rate = 0.0;
+    double out_of_sync_rate = 0.0;
+  };
+
   void connect(LabTime now);
   void fail(Fault fault, LabTime now);
   void enter(State state, LabTime now) noexcept;
   void command(std::string_view text, LabTime now);
+  void ask_version(LabTime now);
+  void on_version(PacketType type, std::string_view text, LabTime t);
   void probe(LabTime now);
   void read_bodies(bool restream, LabTime now);
   void begin_measurement(LabTime now);
@@ -108,11 +132,14 @@ class QualisysDriver final : public StreamEvents {
   void on_no_more_data(LabTime t);
   void on_body_list(std::string_view xml, LabTime t);
   void on_frame(Bytes payload, LabTime t_received);
+  void on_checked_frame(Bytes payload);
 
-  [[nodiscard]] bool is_new(const DataFrame& frame);
-  void publish(const DataFrame& frame, LabTime t_received);
-  void tell(Wanted& body, const BodyPose& pose, const DataFrame& frame, LabTime t_measured,
-            LabTime t_received);
+  void on_wrong_count(LabTime now);
+  void begin_frame(const DataFrame& packet, const FrameOrder::Verdict& verdict, LabTime t_received);
+  void stamp(const DataFrame& packet, LabTime t_received);
+  void tell_bodies(const DataFrame& packet, LabTime t_received);
+  void tell_hook(const DataFrame& packet, LabTime t_received);
+  void tell(Wanted& body, const BodyPose& pose, LabTime t_measured, LabTime t_received);
   void lose_all(LabTime now);
   void forget_time() noexcept;
   void advise() noexcept;
@@ -125,6 +152,8 @@ class QualisysDriver final : public StreamEvents {
   DeviceClock clock_;
   std::string stream_command_;
   std::string qtm_version_;
+
+  int version_minor_;
 
   State state_ = State::down;
   LabTime t_state_{};                 ///< when the state was entered
@@ -147,13 +176,18 @@ class QualisysDriver final : public StreamEvents {
   bool wrong_count_ = false;  ///< frames hold another number of bodies than the list
   bool silent_ = false;       ///< QTM measures, but no frames come
 
-  LabTime t_frame_{};     ///< when a frame last came, or was first expected
-  bool showing_ = false;  ///< readers may hold a pose from us
-  DataFrame last_;        ///< the newest frame (number and time stamp), when `has_last_`
-  bool has_last_ = false;
+  FrameOrder order_;
+  OrientationCheck orientation_;
+  Wanted hook_;
+  MarkerPair pair_;
+  LabTime t_frame_{};           ///< when a frame last came, or was first expected
+  bool showing_ = false;        ///< readers may hold a pose from us
+  bool hook_showing_ = false;   ///< likewise of the hook
+  bool hook_in_frame_ = false;  ///< the newest frame brought markers
+  FrameHead head_;              ///< of the newest frame
+  bool stamped_ = false;        ///< the newest frame has a measured time
+  LabTime t_measured_{};        ///< exposure of the newest frame
   bool has_camera_time_ = false;
-  LabTime t_measured_{};                     ///< exposure of the newest frame
-  std::optional<std::uint64_t> restart_us_;  ///< a time stamp that would mean a restart, if the next agrees
 };
 
 }  // namespace motionlab::qualisys

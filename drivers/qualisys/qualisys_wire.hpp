@@ -1,9 +1,10 @@
 /// @file  Packets of the Qualisys real-time (RT) protocol: header, framing of the TCP stream, texts and
-/// events. Little-endian port (base + 1), protocol 1.8 and later. Source: QTM RT Protocol documentation,
-/// "Protocol structure". What is inside a data packet stands in qualisys_wire_data.hpp, the XML in
-/// qualisys_wire_xml.hpp.
+/// events. Protocol 1.8 and later, on the little-endian port (base + 1) or the big-endian one (base + 2).
+/// Source: QTM RT Protocol documentation, "Protocol structure". What is inside a data packet stands in
+/// qualisys_wire_data.hpp, the XML in qualisys_wire_xml.hpp, commands in qualisys_wire_command.hpp.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,7 @@ enum class PacketType : std::uint32_t {
   data = 3,          ///< one frame (qualisys_wire_data.hpp)
   no_more_data = 4,  ///< empty: nothing is being measured
   event = 6,         ///< one byte: `Event`
+  discover = 7,      ///< a datagram of its own port (qualisys_wire_discovery.hpp)
 };
 
 /// What happened at the server. Pushed at any time, and the answer to `GetState`. Other numbers may occur.
@@ -56,10 +58,11 @@ struct Packet {
   Bytes payload{};  ///< without the 8-byte header
 };
 
-/// Reads a datagram that is exactly one packet.
+/// Reads a datagram that is exactly one packet, in the byte order of the port that it belongs to.
 /// Faults: too_short (no header, or less than the header announces), too_long (more than it announces),
 /// bad_header (announces less than the header itself).
-[[nodiscard]] Result<Packet> decode_datagram(Bytes datagram) noexcept;
+[[nodiscard]] Result<Packet> decode_datagram(Bytes datagram,
+                                             std::endian order = std::endian::little) noexcept;
 
 /// The text of a packet of type error, command or xml: up to its NUL, or all of it when the sender left the
 /// NUL out.
@@ -69,9 +72,10 @@ struct Packet {
 [[nodiscard]] Result<Event> decode_event(Bytes payload) noexcept;
 
 /// A whole packet with this text and the NUL that every vendor client needs from a server.
-[[nodiscard]] ByteBuffer encode_text(PacketType type, std::string_view text);
-[[nodiscard]] ByteBuffer encode_event(Event event);
-[[nodiscard]] ByteBuffer encode_no_more_data();
+[[nodiscard]] ByteBuffer encode_text(PacketType type, std::string_view text,
+                                     std::endian order = std::endian::little);
+[[nodiscard]] ByteBuffer encode_event(Event event, std::endian order = std::endian::little);
+[[nodiscard]] ByteBuffer encode_no_more_data(std::endian order = std::endian::little);
 
 /// Cuts a TCP stream into packets, however the bytes arrive.
 ///
@@ -81,7 +85,9 @@ struct Packet {
 /// be trusted again.
 class PacketSplitter {
  public:
-  explicit PacketSplitter(std::size_t limit = kStreamPacketLimit) noexcept : limit_(limit) {}
+  explicit PacketSplitter(std::size_t limit = kStreamPacketLimit,
+                          std::endian order = std::endian::little) noexcept
+      : limit_(limit), order_(order) {}
 
   void push(Bytes bytes);
   /// The next whole packet, valid until the next `push` or `reset`; a fault; or nothing yet.
@@ -93,6 +99,7 @@ class PacketSplitter {
 
  private:
   std::size_t limit_;
+  std::endian order_;
   ByteBuffer buffer_;
   std::size_t consumed_ = 0;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "drivers/qualisys/qualisys_wire_data.hpp"
+#include "drivers/qualisys/qualisys_wire_text.hpp"
 
 namespace motionlab::qualisys {
 
@@ -15,10 +16,7 @@ namespace {
 constexpr int kFirstVersionWithAttributes = 21;
 constexpr int kFirstVersionWithEulerNames = 16;
 constexpr int kFirstVersionWithEnabled = 24;
-
-char lower(char c) noexcept {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+constexpr int kFirstVersionWithVirtualPoints = 20;
 
 std::string_view text_of(const tinyxml2::XMLElement* element) noexcept {
   const char* text = element != nullptr ? element->GetText() : nullptr;
@@ -94,7 +92,7 @@ void write_body(Printer& xml, const BodyDefinition& body, int version_minor) {
   xml.CloseElement();
 }
 
-void write_body_before_1_21(Printer& xml, const BodyDefinition& body) {
+void write_body_before_1_21(Printer& xml, const BodyDefinition& body, int version_minor) {
   xml.OpenElement("Body");
   xml.leaf("Name", body.name);
   xml.leaf("RGBColor", "1333990");
@@ -103,8 +101,10 @@ void write_body_before_1_21(Printer& xml, const BodyDefinition& body) {
     xml.leaf("X", point.x);
     xml.leaf("Y", point.y);
     xml.leaf("Z", point.z);
-    xml.leaf("Virtual", "0");
-    xml.leaf("PhysicalId", "0");
+    if (version_minor >= kFirstVersionWithVirtualPoints) {
+      xml.leaf("Virtual", "0");
+      xml.leaf("PhysicalId", "0");
+    }
     xml.CloseElement();
   }
   xml.CloseElement();
@@ -116,7 +116,8 @@ void write_bodies(Printer& xml, const XmlContent& content) {
     for (const BodyDefinition& body : content.body_list) write_body(xml, body, content.version_minor);
   } else {
     xml.leaf("Bodies", std::to_string(content.body_list.size()));
-    for (const BodyDefinition& body : content.body_list) write_body_before_1_21(xml, body);
+    for (const BodyDefinition& body : content.body_list)
+      write_body_before_1_21(xml, body, content.version_minor);
     if (content.version_minor >= kFirstVersionWithEulerNames) {
       xml.OpenElement("Euler");
       xml.leaf("First", "Roll");
@@ -124,6 +125,21 @@ void write_bodies(Printer& xml, const XmlContent& content) {
       xml.leaf("Third", "Yaw");
       xml.CloseElement();
     }
+  }
+  xml.CloseElement();
+}
+
+void write_markers(Printer& xml, const XmlContent& content) {
+  xml.OpenElement("The_3D");
+  xml.leaf("AxisUpwards", "+Z");
+  xml.leaf("CalibrationTime", "");
+  xml.leaf("Labels", std::to_string(content.labels.size()));
+  for (const std::string& label : content.labels) {
+    xml.OpenElement("Label");
+    xml.leaf("Name", label);
+    xml.leaf("RGBColor", "1333990");
+    if (content.version_minor >= kFirstVersionWithAttributes) xml.leaf("Trajectory_Type", "Measured");
+    xml.CloseElement();
   }
   xml.CloseElement();
 }
@@ -176,25 +192,15 @@ void write_general(Printer& xml, const XmlContent& content) {
   xml.CloseElement();
 }
 
-}  // namespace
-
-bool same_name(std::string_view a, std::string_view b) noexcept {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return lower(x) == lower(y); });
+Result<const tinyxml2::XMLElement*> root_of(tinyxml2::XMLDocument& document, std::string_view xml) {
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
+    return Fault{Reason::bad_header, "what should be XML is not"};
+  return static_cast<const tinyxml2::XMLElement*>(document.RootElement());
 }
 
-Result<std::vector<BodyDefinition>> parse_bodies_xml(std::string_view xml) {
-  tinyxml2::XMLDocument document;
-  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
-    return Fault{Reason::bad_header, "list of bodies is not XML"};
-  const tinyxml2::XMLElement* root = document.RootElement();
-  if (root == nullptr || !std::string_view{root->Name()}.starts_with("QTM_Parameters"))
-    return Fault{Reason::bad_header, "list of bodies has another root than QTM_Parameters"};
-
+Result<std::vector<BodyDefinition>> read_bodies(const tinyxml2::XMLElement& group) {
   std::vector<BodyDefinition> bodies;
-  const tinyxml2::XMLElement* group = root->FirstChildElement("The_6D");
-  if (group == nullptr) return bodies;
-  for (const auto* body = group->FirstChildElement("Body"); body != nullptr;
+  for (const auto* body = group.FirstChildElement("Body"); body != nullptr;
        body = body->NextSiblingElement("Body")) {
     if (bodies.size() == kMaxBodies)
       return Fault{Reason::too_long, "more bodies than a frame of ours can hold"};
@@ -204,11 +210,39 @@ Result<std::vector<BodyDefinition>> parse_bodies_xml(std::string_view xml) {
   return bodies;
 }
 
+}  // namespace
+
+Result<std::vector<BodyDefinition>> parse_bodies_xml(std::string_view xml) {
+  tinyxml2::XMLDocument document;
+  const auto root = root_of(document, xml);
+  if (!root) return root.fault();
+  if (!std::string_view{(*root)->Name()}.starts_with("QTM_Parameters"))
+    return Fault{Reason::bad_header, "list of bodies has another root than QTM_Parameters"};
+  const tinyxml2::XMLElement* group = (*root)->FirstChildElement("The_6D");
+  return group == nullptr ? std::vector<BodyDefinition>{} : read_bodies(*group);
+}
+
+Result<std::optional<std::vector<BodyDefinition>>> parse_settings_xml(std::string_view xml) {
+  tinyxml2::XMLDocument document;
+  const auto root = root_of(document, xml);
+  if (!root) return root.fault();
+  if (std::string_view{(*root)->Name()} != "QTM_Settings")
+    return Fault{Reason::bad_header, "settings have another root than QTM_Settings"};
+  std::optional<std::vector<BodyDefinition>> settings;
+  const tinyxml2::XMLElement* group = (*root)->FirstChildElement("The_6D");
+  if (group == nullptr) return settings;
+  auto bodies = read_bodies(*group);
+  if (!bodies) return bodies.fault();
+  settings = std::move(bodies).value();
+  return settings;
+}
+
 std::string write_parameters_xml(const XmlContent& content) {
   const std::string root = "QTM_Parameters_Ver_1." + std::to_string(content.version_minor);
   Printer xml;
   xml.OpenElement(root.c_str());
   if (content.general) write_general(xml, content);
+  if (content.markers) write_markers(xml, content);
   if (content.bodies) write_bodies(xml, content);
   xml.CloseElement();
   return xml.CStr();

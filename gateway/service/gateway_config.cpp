@@ -71,6 +71,10 @@ QualisysLink qualisys_link(const TomlTable& root) {
   link.listen = t.endpoint("listen");
   link.load_body = t.text("load_body");
   link.platform_body = t.text("platform_body");
+  link.driver.hook = {t.text("hook_body"), t.number("hook_spacing_m", {0.01, 1.0}),
+                      t.number("hook_tolerance_m", {0.0005, 0.05})};
+  constexpr std::array orders{std::endian::little, std::endian::big};
+  link.driver.byte_order = orders[t.choice("byte_order", {"little", "big"})];
   link.coast_s = t.number("coast_s", {0.0, 10.0});
   link.rest_by_s = t.number("rest_by_s", {0.1, 30.0});
   if (link.rest_by_s <= link.coast_s) t.fail("rest_by_s", "it is not after coast_s");

@@ -232,6 +232,20 @@ void read_winch_device(const TomlTable& t, LabConfig& c) {
   read_number(t, "position_max_m", c.winch.plc.position_max_m, {0, c.world.winch.travel_m});
 }
 
+void read_qualisys_device(const TomlTable& t, LabConfig& c) {
+  c.qualisys_listen = t.endpoint_or("listen", c.qualisys_listen);
+  if (t.has("big_endian_listen")) c.qualisys_big_endian_listen = t.endpoint("big_endian_listen");
+  if (t.has("discovery_listen")) c.qualisys_discovery_listen = t.endpoint("discovery_listen");
+  read_number(t, "jitter_s", c.qualisys.jitter_s, {0, 1});
+  read_number(t, "hook_marker_spacing_m", c.hook_marker_spacing_m, {0, 1});
+  c.qualisys.newest_version_minor =
+      static_cast<int>(t.integer_or("newest_version_minor", c.qualisys.newest_version_minor, {8, 28}));
+  using qualisys::TimecodeSource;
+  constexpr std::array timecodes{TimecodeSource::none, TimecodeSource::smpte, TimecodeSource::irig,
+                                 TimecodeSource::camera};
+  c.qualisys.timecode = timecodes[t.choice_or("timecode", 0, {"none", "smpte", "irig", "camera"})];
+}
+
 }  // namespace
 
 LabConfig::LabConfig() {
@@ -269,9 +283,7 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   const TomlTable devices = root.table_or_empty("devices");
   read_mru_device(devices.table_or_empty(kMru1), c.mru1);
   read_mru_device(devices.table_or_empty(kMru2), c.mru2);
-  const TomlTable qualisys = devices.table_or_empty(kQualisys);
-  c.qualisys_listen = qualisys.endpoint_or("listen", c.qualisys_listen);
-  read_number(qualisys, "jitter_s", c.qualisys.jitter_s, {0, 1});
+  read_qualisys_device(devices.table_or_empty(kQualisys), c);
   read_arm_device(devices.table_or_empty(kArm), c);
   read_winch_device(devices.table_or_empty(kWinch), c);
 

@@ -55,7 +55,10 @@ struct LabConfig {
   };
   Mru mru1, mru2;
   Endpoint qualisys_listen;
-  qualisys::DeviceConfig qualisys;  ///< rate, latency and bodies come from the world
+  std::optional<Endpoint> qualisys_big_endian_listen;  ///< empty: that port is not served
+  std::optional<Endpoint> qualisys_discovery_listen;   ///< likewise
+  double hook_marker_spacing_m = 0.062;                ///< of two markers at the hook; 0: there are none
+  qualisys::DeviceConfig qualisys;                     ///< rate, latency and bodies come from the world
   Endpoint arm_listen;
   comau::DeviceConfig arm;
   Endpoint winch_listen;

@@ -45,6 +45,18 @@ qualisys::MeasuredBody body_of(std::string_view name, const plant::BodyReading& 
   return body;
 }
 
+/// The two markers at the hook, on either side of the wire; none while the load is not seen.
+std::vector<qualisys::UnlabelledMarker> hook_markers(const plant::BodyReading& load, double spacing_m,
+                                                     double above_centre_m) {
+  if (!load.tracked || spacing_m <= 0.0) return {};
+  std::vector<qualisys::UnlabelledMarker> markers;
+  for (const double side : {-0.5, 0.5}) {
+    const Eigen::Vector3d p_QM = load.X_QB * Eigen::Vector3d(side * spacing_m, 0.0, above_centre_m);
+    markers.push_back({array3(p_QM), side < 0.0 ? 1U : 2U, load.residual_m});
+  }
+  return markers;
+}
+
 mru::DeviceConfig with(mru::DeviceConfig device, const plant::MruConfig& unit, const LabConfig& lab) {
   device.period_s = unit.period_s;
   device.output_latency_s = unit.output_latency_s + lab.world.differences.sensor_extra_latency_s;
@@ -57,6 +69,7 @@ qualisys::DeviceConfig cameras(const LabConfig& lab) {
   device.rate_hz = 1 / lab.world.camera.period_s;
   device.latency_s = lab.world.camera.latency_s + lab.world.differences.sensor_extra_latency_s;
   device.seed = lab.seed;
+  device.base_port = static_cast<std::uint16_t>(lab.qualisys_listen.port - 1);
   device.bodies = {{std::string(kLoadBody), true}};
   if (lab.world.camera.platform_tracked) device.bodies.push_back({std::string(kPlatformBody), true});
   return device;
@@ -118,8 +131,19 @@ struct SimulatedLab::Impl {
         mru1_round{start, from_seconds(config.world.mru1.period_s)},
         mru2_round{start, from_seconds(config.world.mru2.period_s)},
         camera_round{start, from_seconds(config.world.camera.period_s)},
-        now(start) {
+        now(start),
+        hook_spacing_m(config.hook_marker_spacing_m),
+        hook_above_centre_m(config.world.load.below_hook_m()) {
     qualisys_server->on_event(&qualisys);
+    if (config.qualisys_big_endian_listen) {
+      qualisys_big_endian_server = network.server(*config.qualisys_big_endian_listen);
+      qualisys_big_endian_server->on_event(&qualisys.serve_big_endian(*qualisys_big_endian_server));
+    }
+    if (config.qualisys_discovery_listen) {
+      qualisys_discovery = network.datagram(*config.qualisys_discovery_listen);
+      qualisys_discovery->on_datagram(
+          [this](Bytes datagram, Endpoint from, LabTime t) { qualisys.on_discovery(datagram, from, t); });
+    }
     winch_server->on_event(&winch);
     arm_socket->on_datagram(
         [this](Bytes datagram, Endpoint from, LabTime t) { arm.on_datagram(datagram, from, t); });
@@ -156,6 +180,7 @@ struct SimulatedLab::Impl {
     frame.bodies.clear();
     frame.bodies.push_back(body_of(kLoadBody, seen.load));
     frame.bodies.push_back(body_of(kPlatformBody, seen.platform));
+    frame.unlabelled = hook_markers(seen.load, hook_spacing_m, hook_above_centre_m);
     qualisys.capture(frame, t);
   }
 
@@ -212,6 +237,8 @@ struct SimulatedLab::Impl {
   std::unique_ptr<DatagramSocket> mru1_socket, mru2_socket;
   std::unique_ptr<StreamServer> qualisys_server;
   std::unique_ptr<DatagramSocket> qualisys_socket;
+  std::unique_ptr<StreamServer> qualisys_big_endian_server;
+  std::unique_ptr<DatagramSocket> qualisys_discovery;
   std::unique_ptr<DatagramSocket> arm_socket;
   std::unique_ptr<StreamServer> winch_server;
 
@@ -224,6 +251,7 @@ struct SimulatedLab::Impl {
   LabTime now;
   bool braked = false;
   qualisys::CameraFrame frame;
+  double hook_spacing_m, hook_above_centre_m;
   std::uint64_t truths = 0;
   std::string refusal;  ///< the last one
 };

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "drivers/core/endpoint.hpp"
@@ -16,77 +17,58 @@
 #include "drivers/core/random.hpp"
 #include "drivers/core/time.hpp"
 #include "drivers/qualisys/qualisys_wire.hpp"
+#include "drivers/qualisys/qualisys_wire_command.hpp"
 #include "drivers/qualisys/qualisys_wire_data.hpp"
 #include "drivers/qualisys/qualisys_wire_xml.hpp"
+#include "simulators/faults/common_faults.hpp"
+#include "simulators/qualisys/qualisys_device_faults.hpp"
+#include "simulators/qualisys/qualisys_device_frame.hpp"
 
 namespace motionlab::qualisys {
 
 struct DeviceConfig {
   std::vector<BodyDefinition> bodies{{"load", true}};  ///< in the order of XML and data
+  std::vector<std::string> labels{};                   ///< of labelled markers, likewise
   double rate_hz = 200.0;    ///< nominal: what `General` says, and the base of `Frequency:n`
   double latency_s = 0.007;  ///< exposure to sending
   double jitter_s = 0.0;     ///< added, uniform in [0, jitter); never reorders
-  std::uint64_t seed = 1;    ///< of jitter and loss
+  std::uint64_t seed = 1;    ///< of jitter and garbage
   std::size_t max_clients = 10;
-  int newest_version_minor = 28;      ///< 1.8 up to this are spoken; lower it to rehearse an older QTM
-  bool camera_time = false;           ///< send the camera time to clients that ask for `Timecode`
-  double camera_time_offset_s = 0.0;  ///< camera time minus laboratory time
+  int newest_version_minor = 28;  ///< 1.8 up to this are spoken; lower it to rehearse an older QTM
+  TimecodeSource timecode = TimecodeSource::none;  ///< sent to clients that ask for `Timecode`
+  double camera_time_offset_s = 0.0;               ///< camera time minus laboratory time
   std::string qtm_version = "2.17 (build 3700)";
+  std::string host = "motionlab";   ///< name in answers to discovery
+  std::uint16_t base_port = 22222;  ///< likewise; the little-endian port is the next
+  bool measures_at_start = true;    ///< false: QTM waits for somebody to say `New`
+  bool control_enabled = true;      ///< clients may become master
+  std::string password{};           ///< that a master must know; empty: none
+  bool file_is_open = false;        ///< there is a measurement that `Start RTFromFile` can play
+  bool waits_for_trigger = false;   ///< `Start` waits for `Trig`
 };
 
-/// One body of a physical measurement, in the camera system's global frame.
-struct MeasuredBody {
-  std::string name;
-  bool tracked = false;
-  std::array<double, 3> p_camera_body_m{};
-  std::array<double, 4> q_camera_body{1.0, 0.0, 0.0, 0.0};  ///< unit quaternion w, x, y, z
-  double residual_m = 0.0;
-};
-
-/// What the cameras saw in one exposure. Bodies of the device's list that are not here are lost.
-struct CameraFrame {
-  std::vector<MeasuredBody> bodies;
-  double drop_rate = 0.0;         ///< 0…1
-  double out_of_sync_rate = 0.0;  ///< 0…1
-};
-
-/// The server of QTM's real-time protocol for several clients: little-endian, versions 1.8 to 1.28 (one
-/// binary layout), components 6D, 6DRes and Timecode. Other components may be asked for and stay away, as in
-/// a QTM that has no data for them.
+/// The server of QTM's real-time protocol for up to ten clients at a time, versions 1.8 to 1.28 (one binary
+/// layout; XML as each version has it), little-endian and, if asked, big-endian; and the answer to discovery.
+/// Components: 3D, 3DNoLabels, 6D, 6DEuler, each with or without residual, and Timecode. Others may be asked
+/// for and stay away, as in a QTM that has no data for them.
 ///
-/// Measures from birth. `capture` takes what the cameras saw; `step` sends it when exposure, processing and
-/// jitter have passed. Time stamps count the microseconds of exposure time since the measurement began.
+/// `capture` takes what the cameras saw; `step` sends it when exposure, processing and jitter have passed.
+/// Time stamps count the microseconds of exposure time since the measurement began.
 ///
-/// Commands: Version, QTMVersion, ByteOrder, GetState, GetParameters (All, General, 6D; the other groups are
-/// left out), GetCurrentFrame, StreamFrames (with or without UDP, Stop), TakeControl, ReleaseControl; others
-/// are answered by `Parse error`. Measurements are started and stopped by the fault `stop_measurement`, not
-/// by clients.
+/// Measurements begin and end by the commands of a master (New, Start, Stop, Close, Trig) or by a fault;
+/// every client gets the events. A client that does not take its data loses data, never an answer; one that
+/// does not take its answers either is dropped.
 class QualisysDevice final : public ServerEvents {
  public:
-  /// What `set_fault` knows:
-  ///  silent              nothing is sent any more, connections stay open
-  ///  occlude             no body is tracked
-  ///  occlude:<body>      this body is not tracked
-  ///  loss                frames are lost; value: probability (0: all of them)
-  ///  late                frames are late; value: s beyond the latency (0: 0.1 s)
-  ///  stop_measurement    the measurement is stopped; a new one begins when the fault ends
-  ///  restart_timestamp   once: time stamps and frame numbers begin again, unannounced
-  ///  stuck_frame_number  the frame number is always 1
-  ///  close_mid_frame     once: every connection ends in the middle of a packet
-  ///  foreign             each datagram is followed by one of another protocol
-  ///  truncate            each datagram lacks its last byte
-  ///  oversize            each datagram has one byte too many
-  ///  body_list_change    a body is added before the others; value 0: announced by an event, else silently
-  static constexpr std::string_view kFaults =
-      "unknown fault; known are silent, occlude, occlude:<body>, loss, late, stop_measurement, "
-      "restart_timestamp, "
-      "stuck_frame_number, close_mid_frame, foreign, truncate, oversize, body_list_change";
-
   QualisysDevice(DeviceConfig config, ServerOut& server, DatagramOut& datagrams);
 
   void on_accepted(SessionId session, Endpoint from, LabTime t) override;
   void on_bytes(SessionId session, Bytes bytes, LabTime t_received) override;
   void on_closed(SessionId session, LabTime t) override;
+  /// Also serves the big-endian port (base + 2). @returns who wants that server's events
+  ServerEvents& serve_big_endian(ServerOut& server);
+  /// A datagram of the discovery port. Anything but a question is passed over.
+  void on_discovery(Bytes datagram, Endpoint from, LabTime t);
 
   /// Takes what the cameras saw at `t_exposure`. Exposures come in order. Ignored while nothing is measured.
   void capture(const CameraFrame& frame, LabTime t_exposure);
@@ -95,13 +77,13 @@ class QualisysDevice final : public ServerEvents {
   /// From now on the server's own clock shows so much more, its time stamps with it; 0: right again.
   void set_clock_jump(Nanoseconds jump) noexcept { clock_jump_ = jump; }
 
-  /// Begins or ends a fault. Faults: refused for a name that is not known (`kFaults`) or a body that is not
-  /// there.
+  /// Begins or ends a fault. Faults: refused for a name that is not known (`DeviceFaults::kNames`) or a body
+  /// that is not there.
   Status set_fault(std::string_view name, bool active, double value = 0.0);
 
-  [[nodiscard]] bool measuring() const noexcept { return state_ == Event::capture_started; }
+  [[nodiscard]] bool measuring() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept { return sessions_.size(); }
-  /// Frames that were captured and not lost.
+  /// Frames that were captured.
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
   /// Datagrams and packets that the transport refused: a client that is gone or does not read.
   [[nodiscard]] std::uint64_t send_failures() const noexcept { return send_failures_; }
@@ -110,75 +92,126 @@ class QualisysDevice final : public ServerEvents {
   struct Stream {
     Components components;
     std::optional<Endpoint> udp;  ///< empty: over the connection
-    std::uint64_t divisor = 0;    ///< every n-th frame; 0: by `share`
-    double share = 1.0;           ///< of the frames, built by skipping
+    std::uint64_t divisor = 1;    ///< every n-th frame …
+    std::optional<double> share;  ///< … or so much of the frames, built by skipping
     double credit = 0.0;
   };
+  struct Waiting {
+    ByteBuffer packet;
+    LabTime t_due;
+  };
+  /// Which of the two servers, and its session.
+  struct SessionKey {
+    std::endian order;
+    SessionId id;
+    auto operator<=>(const SessionKey&) const = default;
+  };
   struct Session {
+    SessionKey key;
     Endpoint peer;
-    PacketSplitter commands{kCommandLimit};
+    PacketSplitter commands;
     int version_minor = 1;  ///< 1.1 until the client asks for another, as in QTM
     std::optional<Stream> stream;
     std::optional<Components> current_frame;  ///< asked for by GetCurrentFrame
+    std::deque<Waiting> answers;              ///< not yet taken by the transport, or delayed
   };
   struct Pending {
     DataFrame frame;
     LabTime t_due;
   };
   struct Goodbye {
-    SessionId session;
+    SessionKey session;
     std::optional<LabTime> t_close;
   };
-  using Words = std::vector<std::string_view>;
+  class BigEndianPort final : public ServerEvents {
+   public:
+    explicit BigEndianPort(QualisysDevice& device) : device_(device) {}
+    void on_accepted(SessionId session, Endpoint from, LabTime t) override;
+    void on_bytes(SessionId session, Bytes bytes, LabTime t_received) override;
+    void on_closed(SessionId session, LabTime t) override;
 
-  static constexpr std::size_t kCommandLimit = 65536;
+   private:
+    QualisysDevice& device_;
+  };
 
-  void on_command(SessionId id, Session& session, std::string_view text);
-  void version(SessionId id, Session& session, const Words& words);
-  void parameters(SessionId id, const Session& session, const Words& words);
-  void stream_frames(SessionId id, Session& session, const Words& words);
-  void current_frame(SessionId id, Session& session, const Words& words);
-  void take_control(SessionId id);
-  void release_control(SessionId id);
+  void accept(SessionKey key, Endpoint from, LabTime t);
+  void receive(SessionKey key, Bytes bytes, LabTime t);
+  void forget(SessionKey key);
+  void close(SessionKey key);
 
-  void reply(SessionId id, std::string_view text);
-  void refuse(SessionId id, std::string_view text);
-  void send(SessionId id, Bytes packet);
-  void send_all(Bytes packet);
-  void send_datagram(Endpoint to, Bytes packet);
+  void on_packet(Session& session, const Packet& packet);
+  void on_settings(Session& session, std::string_view xml);
+  void on(Session& session, const command::Version& command);
+  void on(Session& session, const command::QtmVersion& command);
+  void on(Session& session, const command::ByteOrder& command);
+  void on(Session& session, const command::GetState& command);
+  void on(Session& session, const command::GetParameters& command);
+  void on(Session& session, const command::GetCurrentFrame& command);
+  void on(Session& session, const command::StreamFrames& command);
+  void on(Session& session, const command::StopStream& command);
+  void on(Session& session, const command::TakeControl& command);
+  void on(Session& session, const command::ReleaseControl& command);
+  void on(Session& session, const command::New& command);
+  void on(Session& session, const command::Close& command);
+  void on(Session& session, const command::Start& command);
+  void on(Session& session, const command::Stop& command);
+  void on(Session& session, const command::Trigger& command);
+  void on(Session& session, const command::SetEvent& command);
+  /// Whether the client may control; tells it when not.
+  [[nodiscard]] bool is_master(Session& session);
+  /// Whether the client's version is served; tells it when not.
+  [[nodiscard]] bool has_version(Session& session);
+
+  void reply(Session& session, std::string_view text);
+  void refuse(Session& session, std::string_view text);
+  void answer(Session& session, ByteBuffer packet);
+  void tell_all(Event event);
+  void flush(Session& session);
+  [[nodiscard]] bool send(const Session& session, Bytes packet);
+  void send_data(Session& session, Bytes packet);
+  void send_datagram(Endpoint to, MutableBytes packet);
   void deliver(const DataFrame& frame);
+  void deliver(Session& session, const DataFrame& frame, const Components& components,
+               std::optional<Endpoint> udp);
   [[nodiscard]] static bool takes(Stream& stream, std::uint64_t frame_index);
-  [[nodiscard]] bool occluded(const std::string& body) const;
+  [[nodiscard]] ByteBuffer disturbed(Bytes packet);
 
   void restart_time();
-  void start_measurement();
-  void stop_measurement();
+  void begin(Event event);
+  void end(Event event);
+  void boot();
+  void say_goodbye();
   void close_mid_frame();
-  void set_body_list(bool changed, bool announced);
-  /// The value of an active fault.
-  [[nodiscard]] std::optional<double> fault(std::string_view name) const;
+  void set_body_list(std::vector<BodyDefinition> list, bool announced);
+  void begin_fault(std::string_view name, double value);
+  void end_fault(std::string_view name, double value);
 
   DeviceConfig config_;
   ServerOut& server_;
+  ServerOut* big_endian_server_ = nullptr;
+  BigEndianPort big_endian_port_{*this};
   DatagramOut& datagrams_;
   Random jitter_;
-  Random loss_;
+  Random garbage_;
+  faults::CommonFaults common_;
+  DeviceFaults faults_;
   std::vector<BodyDefinition> list_;
-  std::map<SessionId, Session> sessions_;
+  std::map<SessionKey, Session> sessions_;
   std::vector<Goodbye> goodbyes_;  ///< closed a little later, so that the last bytes arrive
-  std::optional<SessionId> master_;
+  std::optional<SessionKey> master_;
+  LabTime now_{};
   Event state_ = Event::capture_started;
   Nanoseconds clock_jump_{0};
   std::optional<LabTime> t_start_;  ///< exposure of the measurement's first frame
+  std::uint64_t exposures_ = 0;
   std::uint32_t frame_number_ = 0;
   std::uint64_t frames_ = 0;
   std::uint64_t delivered_ = 0;
   std::uint64_t send_failures_ = 0;
+  CameraFrame seen_;  ///< the last exposure, as `stuck` repeats it
   std::deque<Pending> pending_;
   LabTime t_last_due_{};
-  std::map<std::string, double, std::less<>> faults_;
-  std::set<std::string, std::less<>> occluded_;  ///< in lower case
-  std::array<std::uint8_t, 8192> packet_{};
+  std::array<std::uint8_t, kDatagramLimit> packet_{};
 };
 
 }  // namespace motionlab::qualisys

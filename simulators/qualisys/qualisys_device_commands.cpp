@@ -1,9 +1,5 @@
-// The commands of the protocol's text interface. Source: QTM RT Protocol documentation, "Commands".
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-
-#include "drivers/core/error.hpp"
+// What QTM answers to commands. Source of the texts: QTM RT Protocol documentation, "Commands".
+#include "drivers/qualisys/qualisys_wire_text.hpp"
 #include "simulators/qualisys/qualisys_device.hpp"
 
 namespace motionlab::qualisys {
@@ -11,182 +7,182 @@ namespace motionlab::qualisys {
 namespace {
 
 constexpr int kOldestVersionMinor = 8;  // before it, the data had doubles and padding
-constexpr std::uint16_t kLowestStreamPort = 1023;
-constexpr std::string_view kParseError = "Parse error";
 constexpr std::string_view kVersionNotSupported = "Version NOT supported";
-
-/// Components that may be asked for and have no data here.
-constexpr std::array<std::string_view, 16> kComponentsWithoutData = {
-    "2D",      "2DLin",      "3D",       "3DRes",        "3DNoLabels", "3DNoLabelsRes",
-    "6DEuler", "6DEulerRes", "Analog",   "AnalogSingle", "Force",      "ForceSingle",
-    "Image",   "GazeVector", "Skeleton", "EyeTracker"};
-constexpr std::array<std::string_view, 9> kParameterGroups = {"Calibration", "3D",       "Analog",
-                                                              "Force",       "Image",    "GazeVector",
-                                                              "EyeTracker",  "Skeleton", "Skeleton:global"};
-
-std::vector<std::string_view> split(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  std::vector<std::string_view> words;
-  for (std::size_t begin = text.find_first_not_of(kBlank); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
-    words.push_back(text.substr(begin, end - begin));
-    begin = text.find_first_not_of(kBlank, end);
-  }
-  return words;
-}
-
-template <std::size_t N>
-bool is_one_of(const std::array<std::string_view, N>& names, std::string_view word) {
-  return std::any_of(names.begin(), names.end(),
-                     [&](std::string_view name) { return same_name(name, word); });
-}
-
-template <class Number>
-std::optional<Number> number(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-/// What follows `prefix` in the word, if it begins so.
-std::optional<std::string_view> after(std::string_view prefix, std::string_view word) {
-  if (!same_name(word.substr(0, prefix.size()), prefix)) return std::nullopt;
-  return word.substr(prefix.size());
-}
-
-std::optional<Components> components(std::span<const std::string_view> words) {
-  Components asked;
-  for (const std::string_view word : words) {
-    if (same_name(word, "6D"))
-      asked.bodies = true;
-    else if (same_name(word, "6DRes"))
-      asked.bodies_with_residual = true;
-    else if (same_name(word, "Timecode"))
-      asked.timecode = true;
-    else if (!is_one_of(kComponentsWithoutData, word.substr(0, word.find(':'))))
-      return std::nullopt;
-  }
-  return words.empty() ? std::nullopt : std::optional{asked};
-}
-
-/// `UDP:port` or `UDP:address:port`; without an address it is the client's own.
-std::optional<Endpoint> udp_endpoint(std::string_view after_udp, Endpoint peer) {
-  Endpoint to = peer;
-  const std::size_t colon = after_udp.rfind(':');
-  if (colon != std::string_view::npos) {
-    try {
-      to.address = Endpoint::parse_address(after_udp.substr(0, colon));
-    } catch (const StartupError&) {
-      return std::nullopt;
-    }
-    after_udp.remove_prefix(colon + 1);
-  }
-  const auto port = number<std::uint16_t>(after_udp);
-  if (!port || *port < kLowestStreamPort) return std::nullopt;
-  to.port = *port;
-  return to;
-}
+constexpr std::size_t kEventLabelMax = 98;
 
 }  // namespace
 
-void QualisysDevice::on_command(SessionId id, Session& session, std::string_view text) {
-  const Words words = split(text);
-  const auto is = [&](std::string_view name) { return !words.empty() && same_name(words[0], name); };
-  if (is("Version")) return version(id, session, words);
-  if (is("QTMVersion")) return reply(id, "QTM Version is " + config_.qtm_version);
-  if (is("ByteOrder")) return reply(id, "Byte order is little endian");
-  if (is("GetState") || is("GetLastEvent")) return send(id, encode_event(state_));
-  if (is("TakeControl")) return take_control(id);
-  if (is("ReleaseControl")) return release_control(id);
-  // What follows differs between versions. A client that asked for none has 1.1, which is not spoken here.
-  const bool versioned = is("GetParameters") || is("StreamFrames") || is("GetCurrentFrame");
-  if (versioned && session.version_minor < kOldestVersionMinor) return refuse(id, kVersionNotSupported);
-  if (is("GetParameters")) return parameters(id, session, words);
-  if (is("StreamFrames")) return stream_frames(id, session, words);
-  if (is("GetCurrentFrame")) return current_frame(id, session, words);
-  refuse(id, kParseError);
+void QualisysDevice::on_packet(Session& session, const Packet& packet) {
+  if (packet.type == PacketType::xml) return on_settings(session, packet_text(packet.payload));
+  const auto command = packet.type == PacketType::command
+                           ? parse_command(packet_text(packet.payload))
+                           : Result<Command>{Fault{Reason::refused, "Parse error"}};
+  if (!command) return refuse(session, command.fault().text);
+  std::visit([&](const auto& c) { on(session, c); }, *command);
 }
 
-void QualisysDevice::version(SessionId id, Session& session, const Words& words) {
-  if (words.size() == 1) return reply(id, "Version is 1." + std::to_string(session.version_minor));
-  const auto minor_text = after("1.", words[1]);
-  const auto minor = minor_text ? number<int>(*minor_text) : std::nullopt;
-  if (!minor || *minor < kOldestVersionMinor || *minor > config_.newest_version_minor || words.size() > 2)
-    return refuse(id, kVersionNotSupported);
-  session.version_minor = *minor;
-  reply(id, "Version set to 1." + std::to_string(*minor));
+bool QualisysDevice::is_master(Session& session) {
+  if (master_ == session.key) return true;
+  refuse(session, "You must be master to issue this command");
+  return false;
 }
 
-void QualisysDevice::parameters(SessionId id, const Session& session, const Words& words) {
-  XmlContent content{.version_minor = session.version_minor, .rate_hz = config_.rate_hz, .body_list = list_};
-  if (words.size() < 2) return refuse(id, kParseError);
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const bool all = same_name(words[i], "All");
-    const bool general = all || same_name(words[i], "General");
-    const bool bodies = all || same_name(words[i], "6D");
-    if (!general && !bodies && !is_one_of(kParameterGroups, words[i])) return refuse(id, kParseError);
-    content.general = content.general || general;
-    content.bodies = content.bodies || bodies;
-  }
-  send(id, encode_text(PacketType::xml, write_parameters_xml(content)));
+/// A client that asked for no version has 1.1, whose layout is not served here.
+bool QualisysDevice::has_version(Session& session) {
+  if (session.version_minor >= kOldestVersionMinor) return true;
+  refuse(session, kVersionNotSupported);
+  return false;
+}
+
+// Questions
+// ----------------------------------------------------------------------------------------------------
+
+void QualisysDevice::on(Session& session, const command::Version& version) {
+  if (!version.minor) return reply(session, "Version is 1." + std::to_string(session.version_minor));
+  const int newest = static_cast<int>(faults_.value("old_version").value_or(config_.newest_version_minor));
+  if (*version.minor < kOldestVersionMinor || *version.minor > newest)
+    return refuse(session, kVersionNotSupported);
+  session.version_minor = *version.minor;
+  reply(session, "Version set to 1." + std::to_string(*version.minor));
+}
+
+void QualisysDevice::on(Session& session, const command::QtmVersion&) {
+  reply(session, "QTM Version is " + config_.qtm_version);
+}
+
+void QualisysDevice::on(Session& session, const command::ByteOrder&) {
+  const bool little = session.key.order == std::endian::little;
+  reply(session, little ? "Byte order is little endian" : "Byte order is big endian");
+}
+
+void QualisysDevice::on(Session& session, const command::GetState&) {
+  if (!faults_.is_on("no_state")) answer(session, encode_event(state_, session.key.order));
+}
+
+void QualisysDevice::on(Session& session, const command::GetParameters& asked) {
+  if (!has_version(session)) return;
+  const XmlContent content{.version_minor = session.version_minor,
+                           .rate_hz = config_.rate_hz,
+                           .general = asked.groups.general,
+                           .bodies = asked.groups.bodies,
+                           .markers = asked.groups.markers,
+                           .body_list = list_,
+                           .labels = config_.labels};
+  answer(session, encode_text(PacketType::xml, write_parameters_xml(content), session.key.order));
+}
+
+// Frames
+// -------------------------------------------------------------------------------------------------------
+
+void QualisysDevice::on(Session& session, const command::GetCurrentFrame& asked) {
+  if (!has_version(session)) return;
+  if (!measuring()) return answer(session, encode_no_more_data(session.key.order));
+  session.current_frame = asked.components;
 }
 
 /// No text answers this command: clients pair answers with commands by order.
-void QualisysDevice::stream_frames(SessionId id, Session& session, const Words& words) {
-  if (words.size() == 2 && same_name(words[1], "Stop")) {
-    session.stream.reset();
-    return;
-  }
-  if (words.size() < 3) return refuse(id, kParseError);
+void QualisysDevice::on(Session& session, const command::StreamFrames& asked) {
+  if (!has_version(session)) return;
   Stream stream;
-  if (same_name(words[1], "AllFrames")) {
-    stream.divisor = 1;
-  } else if (const auto divisor = after("FrequencyDivisor:", words[1])) {
-    stream.divisor = number<std::uint64_t>(*divisor).value_or(0);
-    if (stream.divisor == 0) return refuse(id, kParseError);
-  } else if (const auto frequency = after("Frequency:", words[1])) {
-    const double rate_hz = number<double>(*frequency).value_or(0.0);
-    if (!(rate_hz > 0.0)) return refuse(id, kParseError);
-    stream.share = std::min(rate_hz / config_.rate_hz, 1.0);
-  } else {
-    return refuse(id, kParseError);
-  }
-  std::span<const std::string_view> rest{words.begin() + 2, words.end()};
-  if (const auto udp = after("UDP:", rest.front())) {
-    stream.udp = udp_endpoint(*udp, session.peer);
-    if (!stream.udp) return refuse(id, kParseError);
-    rest = rest.subspan(1);
-  }
-  const auto asked = components(rest);
-  if (!asked) return refuse(id, kParseError);
-  stream.components = *asked;
+  stream.components = asked.components;
+  stream.divisor = asked.divisor;
+  if (asked.rate_hz) stream.share = std::min(*asked.rate_hz / config_.rate_hz, 1.0);
+  if (asked.udp)
+    stream.udp =
+        Endpoint{asked.udp->address != 0 ? asked.udp->address : session.peer.address, asked.udp->port};
   session.stream = stream;
-  if (!measuring()) send(id, encode_no_more_data());
+  if (!measuring()) answer(session, encode_no_more_data(session.key.order));
 }
 
-void QualisysDevice::current_frame(SessionId id, Session& session, const Words& words) {
-  const auto asked = components(std::span{words}.subspan(1));
-  if (!asked) return refuse(id, kParseError);
-  if (!measuring()) return send(id, encode_no_more_data());
-  session.current_frame = *asked;
+void QualisysDevice::on(Session& session, const command::StopStream&) {
+  session.stream.reset();
 }
 
-void QualisysDevice::take_control(SessionId id) {
-  if (master_ == id) return reply(id, "You are already master");
+// Control
+// ------------------------------------------------------------------------------------------------------
+
+void QualisysDevice::on(Session& session, const command::TakeControl& command) {
+  if (!config_.control_enabled) return refuse(session, "Client control disabled in QTM");
+  if (master_ == session.key) return reply(session, "You are already master");
   if (master_) {
     const Endpoint peer = sessions_.at(*master_).peer;
-    return refuse(id,
+    return refuse(session,
                   address_to_string(peer.address) + " (" + std::to_string(peer.port) + ") is already master");
   }
-  master_ = id;
-  reply(id, "You are now master");
+  if (!config_.password.empty() && command.password != config_.password)
+    return refuse(session, "Wrong or missing password");
+  master_ = session.key;
+  reply(session, "You are now master");
 }
 
-void QualisysDevice::release_control(SessionId id) {
-  if (master_ != id) return reply(id, "You are already a regular client");
+void QualisysDevice::on(Session& session, const command::ReleaseControl&) {
+  if (master_ != session.key) return reply(session, "You are already a regular client");
   master_.reset();
-  reply(id, "You are now a regular client");
+  reply(session, "You are now a regular client");
+}
+
+void QualisysDevice::on(Session& session, const command::New&) {
+  if (!is_master(session)) return;
+  if (state_ == Event::capture_stopped)
+    return refuse(session, "The previous measurement has not been saved or closed");
+  if (state_ != Event::connection_closed) return reply(session, "Already connected");
+  reply(session, "Creating new connection");
+  begin(Event::connected);
+}
+
+void QualisysDevice::on(Session& session, const command::Close&) {
+  if (!is_master(session)) return;
+  if (state_ == Event::connection_closed) return reply(session, "No connection to close");
+  reply(session, state_ == Event::rt_from_file_started ? "Closing file" : "Closing connection");
+  end(Event::connection_closed);
+}
+
+void QualisysDevice::on(Session& session, const command::Start& command) {
+  if (!is_master(session)) return;
+  if (command.from_file) {
+    if (!config_.file_is_open) return refuse(session, "No file open");
+    if (state_ == Event::rt_from_file_started) return refuse(session, "RT from file already running");
+    reply(session, "Starting RT from file");
+    return begin(Event::rt_from_file_started);
+  }
+  if (state_ == Event::capture_started || state_ == Event::waiting_for_trigger)
+    return refuse(session, "Measurement is already running");
+  if (state_ != Event::connected) return refuse(session, "Not connected. Create connection with new");
+  reply(session, "Starting measurement");
+  begin(config_.waits_for_trigger ? Event::waiting_for_trigger : Event::capture_started);
+}
+
+void QualisysDevice::on(Session& session, const command::Stop&) {
+  if (!is_master(session)) return;
+  const bool file = state_ == Event::rt_from_file_started;
+  if (!file && state_ != Event::capture_started && state_ != Event::waiting_for_trigger)
+    return refuse(session, "No measurement is running");
+  reply(session, "Stopping measurement");
+  end(file ? Event::rt_from_file_stopped : Event::capture_stopped);
+}
+
+void QualisysDevice::on(Session& session, const command::Trigger&) {
+  if (!is_master(session)) return;
+  if (state_ != Event::waiting_for_trigger) return refuse(session, "QTM not waiting for trig");
+  reply(session, "Trig ok");
+  tell_all(Event::trigger);
+  begin(Event::capture_started);
+}
+
+void QualisysDevice::on(Session& session, const command::SetEvent& command) {
+  if (!is_master(session)) return;
+  if (state_ != Event::capture_started) return refuse(session, "QTM is not capturing");
+  if (command.label.size() > kEventLabelMax) return refuse(session, "Event label too long");
+  reply(session, "Event set");
+}
+
+/// Settings that a master sends. The list of bodies is taken over; the rest has nothing here that it sets.
+void QualisysDevice::on_settings(Session& session, std::string_view xml) {
+  if (!is_master(session)) return;
+  auto settings = parse_settings_xml(xml);
+  if (!settings) return refuse(session, "Setting parameters failed");
+  reply(session, "Setting parameters succeeded");
+  if (auto bodies = std::move(settings).value()) set_body_list(*std::move(bodies), true);
 }
 
 }  // namespace motionlab::qualisys

@@ -72,12 +72,12 @@ TEST(QualisysData, DecodesTheWorkedExample) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->timestamp_us, 5'000'000u);
   EXPECT_EQ(frame->frame_number, 500u);
-  EXPECT_TRUE(frame->has_bodies);
+  EXPECT_TRUE(frame->has_bodies());
   EXPECT_DOUBLE_EQ(frame->drop_rate, 0.002);
   EXPECT_DOUBLE_EQ(frame->out_of_sync_rate, 0.001);
   EXPECT_FALSE(frame->timecode);
-  ASSERT_EQ(frame->body_count, 2u);
-  const BodyPose& load = frame->body[0];
+  ASSERT_EQ(frame->bodies.size, 2u);
+  const BodyPose& load = frame->bodies.all[0];
   EXPECT_TRUE(load.tracked);
   EXPECT_DOUBLE_EQ(load.p_camera_body_m[0], 1.0005);
   EXPECT_DOUBLE_EQ(load.p_camera_body_m[1], -0.25025);
@@ -87,7 +87,7 @@ TEST(QualisysData, DecodesTheWorkedExample) {
   EXPECT_NEAR(load.q_camera_body[2], 0.0, 1e-15);
   EXPECT_NEAR(load.q_camera_body[3], std::sqrt(0.5), 1e-15);
   EXPECT_DOUBLE_EQ(load.residual_m, 0.00025);
-  EXPECT_EQ(frame->body[1], BodyPose{}) << "a lost body has no pose at all";
+  EXPECT_EQ(frame->bodies.all[1], BodyPose{}) << "a lost body has no pose at all";
 }
 
 TEST(QualisysData, EncodesTheWorkedExampleByteForByte) {
@@ -96,11 +96,11 @@ TEST(QualisysData, EncodesTheWorkedExampleByteForByte) {
   frame.frame_number = 500;
   frame.drop_rate = 0.002;
   frame.out_of_sync_rate = 0.001;
-  frame.body_count = 2;
+  frame.bodies.size = 2;
   // Sines and cosines of 45 deg do not square to exactly 1/2; a quarter turn about z from exact halves does.
-  frame.body[0] = {true, {1.0005, -0.25025, 1.5}, {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)}, 0.00025};
+  frame.bodies.all[0] = {true, {1.0005, -0.25025, 1.5}, {std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)}, 0.00025};
   std::array<std::uint8_t, 256> buffer{};
-  const auto written = encode_data(frame, {.bodies_with_residual = true}, buffer);
+  const auto written = encode_data(frame, {Component::bodies_res}, buffer);
   ASSERT_TRUE(written);
   const ByteBuffer expected = worked_example();
   ASSERT_EQ(written->size(), expected.size());
@@ -133,7 +133,7 @@ TEST(QualisysData, ReadsTheMatrixColumnByColumn) {
   const std::array<double, 4> pitch = {std::cos(20 * kHalf), 0, std::sin(20 * kHalf), 0};
   const std::array<double, 4> yaw = {std::cos(30 * kHalf), 0, 0, std::sin(30 * kHalf)};
   const auto expected = multiply(multiply(roll, pitch), yaw);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(frame->body[0].q_camera_body[i], expected[i], 1e-6);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(frame->bodies.all[0].q_camera_body[i], expected[i], 1e-6);
 }
 
 TEST(QualisysData, GivesHalfTurnsAboutEveryAxisAUnitQuaternion) {
@@ -143,7 +143,7 @@ TEST(QualisysData, GivesHalfTurnsAboutEveryAxisAUnitQuaternion) {
     const auto frame = decode_data(one_body(turns[axis]).payload());
     ASSERT_TRUE(frame);
     for (std::size_t i = 0; i < 4; ++i)
-      EXPECT_DOUBLE_EQ(frame->body[0].q_camera_body[i], i == axis + 1 ? 1.0 : 0.0);
+      EXPECT_DOUBLE_EQ(frame->bodies.all[0].q_camera_body[i], i == axis + 1 ? 1.0 : 0.0);
   }
 }
 
@@ -155,7 +155,7 @@ TEST(QualisysData, TakesABodyWithAnyValueThatIsNotFiniteForLost) {
       store<std::endian::little>(MutableBytes{bytes}.subspan(16 + 16 + 4 * value), bad);
       const auto frame = decode_data(bytes);
       ASSERT_TRUE(frame);
-      EXPECT_EQ(frame->body[0], BodyPose{}) << "value " << value;
+      EXPECT_EQ(frame->bodies.all[0], BodyPose{}) << "value " << value;
     }
   }
 }
@@ -182,17 +182,17 @@ TEST(QualisysData, ReadsBodiesWithoutResidualAndSkipsUnknownComponents) {
   packet.floats({1, 2, 3}).floats(kIdentity);
   const auto frame = decode_data(packet.payload());
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->body_count, 1u);
-  EXPECT_DOUBLE_EQ(frame->body[0].p_camera_body_m[2], 0.003);
-  EXPECT_EQ(frame->body[0].residual_m, 0.0);
+  EXPECT_EQ(frame->bodies.size, 1u);
+  EXPECT_DOUBLE_EQ(frame->bodies.all[0].p_camera_body_m[2], 0.003);
+  EXPECT_EQ(frame->bodies.all[0].residual_m, 0.0);
   EXPECT_EQ(frame->out_of_sync_rate, 1.0) << "a rate above 1 is cut";
 }
 
 TEST(QualisysData, ReadsAPacketWithoutBodies) {
   const auto frame = decode_data(PacketBuilder{}.head(7, 8, 0).payload());
   ASSERT_TRUE(frame);
-  EXPECT_FALSE(frame->has_bodies);
-  EXPECT_EQ(frame->body_count, 0u);
+  EXPECT_FALSE(frame->has_bodies());
+  EXPECT_EQ(frame->bodies.size, 0u);
 }
 
 Result<DataFrame> timecode(std::uint32_t kind, std::uint32_t high, std::uint32_t low) {
@@ -275,43 +275,41 @@ TEST(QualisysData, RefusesATimeStampThatWouldOverflow) {
 
 TEST(QualisysData, EncodesOnlyWhatWasAskedFor) {
   DataFrame frame;
-  frame.body_count = 1;
+  frame.bodies.size = 1;
   frame.timecode = CameraTime{Nanoseconds{700}};
   std::array<std::uint8_t, 256> buffer{};
   EXPECT_EQ(encode_data(frame, {}, buffer)->size(), 24u);
-  EXPECT_EQ(encode_data(frame, {.bodies = true}, buffer)->size(), 24u + 16 + 48);
-  EXPECT_EQ(encode_data(frame, {.bodies_with_residual = true}, buffer)->size(), 24u + 16 + 52);
-  EXPECT_EQ(encode_data(frame, {.timecode = true}, buffer)->size(), 24u + 24);
-  EXPECT_EQ(
-      encode_data(frame, {.bodies = true, .bodies_with_residual = true}, MutableBytes{buffer}.first(100))
-          .fault()
-          .reason,
-      Reason::too_long);
+  EXPECT_EQ(encode_data(frame, {Component::bodies}, buffer)->size(), 24u + 16 + 48);
+  EXPECT_EQ(encode_data(frame, {Component::bodies_res}, buffer)->size(), 24u + 16 + 52);
+  EXPECT_EQ(encode_data(frame, {Component::timecode}, buffer)->size(), 24u + 24);
+  EXPECT_EQ(encode_data(frame, {Component::bodies, Component::bodies_res}, MutableBytes{buffer}.first(100))
+                .fault()
+                .reason,
+            Reason::too_long);
   frame.timecode.reset();
-  EXPECT_EQ(encode_data(frame, {.timecode = true}, buffer)->size(), 24u) << "no time code, no component";
+  EXPECT_EQ(encode_data(frame, {Component::timecode}, buffer)->size(), 24u) << "no time code, no component";
 }
 
 TEST(QualisysData, KeepsTheResidualWhenBothKindsOfBodiesCome) {
   DataFrame frame;
-  frame.body_count = 1;
-  frame.body[0] = {true, {1, 2, 3}, {1, 0, 0, 0}, 0.5};
+  frame.bodies.size = 1;
+  frame.bodies.all[0] = {true, {1, 2, 3}, {1, 0, 0, 0}, 0.5};
   std::array<std::uint8_t, 256> buffer{};
-  const auto both = encode_data(frame, {.bodies = true, .bodies_with_residual = true}, buffer);
-  EXPECT_DOUBLE_EQ(decode_data(both->subspan(kPacketHeaderSize))->body[0].residual_m, 0.5);
+  const auto both = encode_data(frame, {Component::bodies, Component::bodies_res}, buffer);
+  EXPECT_DOUBLE_EQ(decode_data(both->subspan(kPacketHeaderSize))->bodies.all[0].residual_m, 0.5);
 }
 
 TEST(QualisysData, KeepsPosesThroughEncodingAndDecoding) {
   Random random{11};
   for (int round = 0; round < 500; ++round) {
     DataFrame frame;
-    frame.has_bodies = true;
     frame.timestamp_us = random.bits() >> 12;
     frame.frame_number = random.below(1u << 31);
-    frame.body_count = random.below(kMaxBodies + 1);
+    frame.bodies.size = random.below(kMaxBodies + 1);
     frame.timecode = IrigTime{26, 326, 1, 2, 3, 4};
-    for (std::size_t i = 0; i < frame.body_count; ++i) {
+    for (std::size_t i = 0; i < frame.bodies.size; ++i) {
       if (random.chance(0.3)) continue;
-      BodyPose& pose = frame.body[i];
+      BodyPose& pose = frame.bodies.all[i];
       pose.tracked = true;
       double norm = 0.0;
       for (double& q : pose.q_camera_body) q = random.normal();
@@ -321,17 +319,17 @@ TEST(QualisysData, KeepsPosesThroughEncodingAndDecoding) {
       pose.residual_m = random.uniform();
     }
     std::array<std::uint8_t, 8192> buffer{};
-    const auto bytes = encode_data(frame, {.bodies_with_residual = true, .timecode = true}, buffer);
+    const auto bytes = encode_data(frame, {Component::bodies_res, Component::timecode}, buffer);
     ASSERT_TRUE(bytes);
     const auto back = decode_data(decode_datagram(*bytes)->payload);
     ASSERT_TRUE(back);
     EXPECT_EQ(back->timestamp_us, frame.timestamp_us);
     EXPECT_EQ(back->frame_number, frame.frame_number);
     EXPECT_EQ(back->timecode, frame.timecode);
-    ASSERT_EQ(back->body_count, frame.body_count);
-    for (std::size_t i = 0; i < frame.body_count; ++i) {
-      const BodyPose& a = frame.body[i];
-      const BodyPose& b = back->body[i];
+    ASSERT_EQ(back->bodies.size, frame.bodies.size);
+    for (std::size_t i = 0; i < frame.bodies.size; ++i) {
+      const BodyPose& a = frame.bodies.all[i];
+      const BodyPose& b = back->bodies.all[i];
       ASSERT_EQ(a.tracked, b.tracked);
       double dot = 0.0;
       for (std::size_t k = 0; k < 4; ++k) dot += a.q_camera_body[k] * b.q_camera_body[k];
@@ -354,7 +352,7 @@ TEST(QualisysData, SurvivesRandomChangesOfTheWorkedExample) {
     bytes.resize(bytes.size() - random.below(3));
     const auto frame = decode_data(Bytes{bytes}.subspan(kPacketHeaderSize));
     if (!frame) continue;
-    for (const BodyPose& pose : frame->bodies()) {
+    for (const BodyPose& pose : frame->bodies.view()) {
       double norm = 0.0;
       for (const double q : pose.q_camera_body) norm += q * q;
       EXPECT_NEAR(norm, pose.tracked ? 1.0 : 0.0, 1e-12);

@@ -22,6 +22,7 @@ constexpr Endpoint kPeer{0x7f000001, 50001};
 class RecordingServer final : public ServerOut {
  public:
   Status send(SessionId session, Bytes bytes) override {
+    if (full) return Fault{Reason::transport, "the peer does not take what was sent"};
     sends[session].emplace_back(bytes.begin(), bytes.end());
     return Done{};
   }
@@ -49,6 +50,7 @@ class RecordingServer final : public ServerOut {
 
   std::map<SessionId, std::vector<ByteBuffer>> sends;
   std::vector<SessionId> closed;
+  bool full = false;
 };
 
 class RecordingDatagrams final : public DatagramOut {
@@ -142,9 +144,100 @@ TEST_F(QualisysDeviceTest, ClosesASessionWhosePacketsCannotBe) {
   EXPECT_THAT(ask("GetState"), IsEmpty());
 }
 
-TEST_F(QualisysDeviceTest, RefusesThePacketThatIsNoCommand) {
-  dut.on_bytes(1, encode_text(PacketType::xml, "<QTM_Settings/>"), now);
+TEST_F(QualisysDeviceTest, RefusesThePacketThatIsNeitherCommandNorSettings) {
+  dut.on_bytes(1, encode_event(Event::trigger), now);
   EXPECT_THAT(server.heard(1), ElementsAre("0:Parse error"));
+}
+
+TEST_F(QualisysDeviceTest, TakesTheListOfBodiesFromTheSettingsOfAMaster) {
+  const auto set = [&](std::string_view xml) {
+    dut.on_bytes(1, encode_text(PacketType::xml, xml), now);
+    return server.heard(1);
+  };
+  EXPECT_THAT(set("<QTM_Settings/>"), ElementsAre("0:You must be master to issue this command"));
+  ask("TakeControl");
+  EXPECT_THAT(set("<QTM_Settings/>"), ElementsAre("1:Setting parameters succeeded"))
+      << "nothing that changes";
+  EXPECT_THAT(set("<QTM_Settings"), ElementsAre("0:Setting parameters failed"));
+  EXPECT_THAT(set("<QTM_Settings><The_6D><Body><Name>crate</Name></Body></The_6D></QTM_Settings>"),
+              ElementsAre("1:Setting parameters succeeded", "6:11"));
+  EXPECT_EQ(*parse_bodies_xml(ask("GetParameters 6D")[0].substr(2)),
+            (std::vector<BodyDefinition>{{"crate", true}}));
+}
+
+TEST_F(QualisysDeviceTest, KeepsAnswersForAClientThatDoesNotReadAndDropsItsFrames) {
+  ask("StreamFrames AllFrames 6D");
+  server.full = true;
+  EXPECT_THAT(ask("ByteOrder"), IsEmpty());
+  expose(3);
+  EXPECT_EQ(dut.send_failures(), 3u);
+  server.full = false;
+  dut.step(now);
+  EXPECT_THAT(server.heard(1), ElementsAre("1:Byte order is little endian"));
+  expose();
+  EXPECT_THAT(server.heard(1), ElementsAre("3"));
+}
+
+TEST_F(QualisysDeviceTest, DropsAClientThatTakesNoAnswersAtAll) {
+  server.full = true;
+  for (int i = 0; i < 300; ++i) ask("ByteOrder");
+  dut.step(now);
+  EXPECT_THAT(server.closed, ElementsAre(1u));
+  EXPECT_EQ(dut.clients(), 0u);
+}
+
+TEST_F(QualisysDeviceTest, IsTakenThroughAMeasurementByItsMaster) {
+  EXPECT_THAT(ask("Stop"), ElementsAre("0:You must be master to issue this command"));
+  ask("TakeControl");
+  EXPECT_THAT(ask("Stop"), ElementsAre("1:Stopping measurement", "6:4"));
+  EXPECT_THAT(ask("Stop"), ElementsAre("0:No measurement is running"));
+  EXPECT_THAT(ask("New"), ElementsAre("0:The previous measurement has not been saved or closed"));
+  EXPECT_THAT(ask("Close"), ElementsAre("1:Closing connection", "6:2"));
+  EXPECT_THAT(ask("Close"), ElementsAre("1:No connection to close"));
+  EXPECT_THAT(ask("Start"), ElementsAre("0:Not connected. Create connection with new"));
+  EXPECT_THAT(ask("Start RTFromFile"), ElementsAre("0:No file open"));
+  EXPECT_THAT(ask("New"), ElementsAre("1:Creating new connection", "6:1"));
+  EXPECT_THAT(ask("New"), ElementsAre("1:Already connected"));
+  EXPECT_TRUE(dut.measuring()) << "a preview streams too";
+  EXPECT_THAT(ask("SetQTMEvent lift"), ElementsAre("0:QTM is not capturing"));
+  EXPECT_THAT(ask("Start"), ElementsAre("1:Starting measurement", "6:3"));
+  EXPECT_THAT(ask("Start"), ElementsAre("0:Measurement is already running"));
+  EXPECT_THAT(ask("SetQTMEvent lift"), ElementsAre("1:Event set"));
+  EXPECT_THAT(ask("SetQTMEvent " + std::string(99, 'x')), ElementsAre("0:Event label too long"));
+  EXPECT_THAT(ask("Trig"), ElementsAre("0:QTM not waiting for trig"));
+}
+
+TEST_F(QualisysDeviceTest, WaitsForATriggerPlaysFilesAndGuardsControlWhenToldTo) {
+  QualisysDevice device{
+      {.measures_at_start = false, .password = "sesame", .file_is_open = true, .waits_for_trigger = true},
+      server,
+      datagrams};
+  device.on_accepted(7, kPeer, now);
+  server.heard(7);
+  const auto say = [&](std::string_view text) {
+    device.on_bytes(7, encode_text(PacketType::command, text), now);
+    return server.heard(7);
+  };
+  EXPECT_THAT(say("TakeControl"), ElementsAre("0:Wrong or missing password"));
+  EXPECT_THAT(say("TakeControl sesame"), ElementsAre("1:You are now master"));
+  EXPECT_THAT(say("Start RTFromFile"), ElementsAre("1:Starting RT from file", "6:8"));
+  EXPECT_THAT(say("Start RTFromFile"), ElementsAre("0:RT from file already running"));
+  EXPECT_THAT(say("Stop"), ElementsAre("1:Stopping measurement", "6:9"));
+  EXPECT_THAT(say("Close"), ElementsAre("1:Closing connection", "6:2"));
+  say("New");
+  EXPECT_THAT(say("Start"), ElementsAre("1:Starting measurement", "6:10"));
+  EXPECT_THAT(say("Trig"), ElementsAre("1:Trig ok", "6:16", "6:3"));
+}
+
+TEST_F(QualisysDeviceTest, TellsTimeInEveryKindOfTimecode) {
+  // 2026-11-24 17:05:09.55 UTC, day 328 of the year; half of SMPTE's 30 frames and a sub-frame of 40 / 80
+  // later.
+  const LabTime t{1'795'539'909'550'000'000ns};
+  EXPECT_EQ(timecode_of(TimecodeSource::irig, t, 0.0), (Timecode{IrigTime{26, 328, 17, 5, 9, 5}}));
+  EXPECT_EQ(timecode_of(TimecodeSource::smpte, t, 0.0), (Timecode{SmpteTime{17, 5, 9, 16, 40}}));
+  EXPECT_EQ(timecode_of(TimecodeSource::camera, t, 2.0),
+            (Timecode{CameraTime{Nanoseconds{1'795'539'911'550'000'000}}}));
+  EXPECT_FALSE(timecode_of(TimecodeSource::none, t, 0.0));
 }
 
 TEST_F(QualisysDeviceTest, AnswersWithTheGroupsAskedForUnderOneRoot) {
@@ -172,7 +265,7 @@ TEST_F(QualisysDeviceTest, StreamsToTheClientsOwnAddressWithoutAnyReply) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->frame_number, 3u);
   EXPECT_EQ(frame->timestamp_us, 10'000u) << "exposure time since the first frame, not sending time";
-  EXPECT_TRUE(frame->body[0].tracked);
+  EXPECT_TRUE(frame->bodies.all[0].tracked);
   EXPECT_FALSE(frame->timecode) << "not switched on in this system";
   EXPECT_THAT(server.heard(1), IsEmpty());
   EXPECT_THAT(ask("StreamFrames Stop"), IsEmpty());
@@ -240,7 +333,8 @@ TEST_F(QualisysDeviceTest, SaysNoMoreDataWhileNothingIsMeasured) {
 }
 
 TEST_F(QualisysDeviceTest, SendsTheCameraTimeWhenThatIsSwitchedOn) {
-  QualisysDevice device{{.camera_time = true, .camera_time_offset_s = 100.0}, server, datagrams};
+  QualisysDevice device{
+      {.timecode = TimecodeSource::camera, .camera_time_offset_s = 100.0}, server, datagrams};
   device.on_accepted(7, kPeer, now);
   for (const char* command : {"Version 1.25", "StreamFrames AllFrames UDP:50199 6DRes Timecode"})
     device.on_bytes(7, encode_text(PacketType::command, command), now);
@@ -248,7 +342,7 @@ TEST_F(QualisysDeviceTest, SendsTheCameraTimeWhenThatIsSwitchedOn) {
   device.step(LabTime{3s});
   const auto frame = decode_data(decode_datagram(datagrams.sent.at(0).second)->payload);
   EXPECT_EQ(frame->timecode, (Timecode{CameraTime{102s}}));
-  EXPECT_FALSE(frame->body[0].tracked) << "a body that no camera saw is lost";
+  EXPECT_FALSE(frame->bodies.all[0].tracked) << "a body that no camera saw is lost";
 }
 
 TEST_F(QualisysDeviceTest, SendsWhenTheLatencyHasPassedAndInOrder) {
@@ -303,9 +397,34 @@ TEST_F(QualisysDeviceTest, RefusesAFaultItDoesNotKnowAndNamesThoseItDoes) {
   const Status status = dut.set_fault("explode", true);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.fault().reason, Reason::refused);
-  for (const char* name :
-       {"silent", "occlude", "loss", "late", "stop_measurement", "restart_timestamp", "stuck_frame_number",
-        "close_mid_frame", "foreign", "truncate", "oversize", "body_list_change"}) {
+  for (const char* name : {"off",
+                           "stuck",
+                           "garbage",
+                           "wrong",
+                           "slow",
+                           "delayed",
+                           "intermittent",
+                           "silent",
+                           "occlude",
+                           "residual",
+                           "drop_rate",
+                           "out_of_sync",
+                           "skip_frames",
+                           "stop_measurement",
+                           "calibrate",
+                           "restart",
+                           "restart_timestamp",
+                           "stuck_frame_number",
+                           "close_mid_frame",
+                           "half_open",
+                           "no_state",
+                           "split_header",
+                           "split_frame",
+                           "oversize",
+                           "old_version",
+                           "body_list_change",
+                           "matrix_by_rows",
+                           "other_angles"}) {
     EXPECT_THAT(std::string{status.fault().text}, HasSubstr(name));
     EXPECT_TRUE(dut.set_fault(name, false)) << name;
   }

@@ -87,12 +87,13 @@ class QualisysDriverTest : public testing::Test {
     DataFrame f;
     f.timestamp_us = t_us;
     f.frame_number = number;
-    f.body_count = bodies;
+    f.bodies.size = bodies;
     f.timecode = timecode;
     f.drop_rate = 0.004;
-    for (std::size_t i = 0; i < bodies; ++i) f.body[i] = {true, {1.0 + double(i), 2, 3}, {1, 0, 0, 0}, 0.001};
+    for (std::size_t i = 0; i < bodies; ++i)
+      f.bodies.all[i] = {true, {1.0 + double(i), 2, 3}, {1, 0, 0, 0}, 0.001};
     std::array<std::uint8_t, 8192> buffer{};
-    const auto bytes = encode_data(f, {.bodies_with_residual = true, .timecode = true}, buffer);
+    const auto bytes = encode_data(f, {Component::bodies_res, Component::timecode}, buffer);
     return {bytes->begin(), bytes->end()};
   }
   void receive(Bytes datagram, Endpoint from = kQtm) { dut.on_datagram(datagram, from, now); }
@@ -298,7 +299,9 @@ TEST_F(QualisysDriverTest, SaysOnceThatBodiesAreLostWhenFramesStop) {
 TEST_F(QualisysDriverTest, AsksForTheStateWhenFramesStopAndAgainForTheStream) {
   stream();
   receive(frame(1000, 5));
-  step(999ms);
+  step(1ms);
+  EXPECT_THAT(control.commands(), ElementsAre("GetCurrentFrame 6D 6DEuler"));
+  step(998ms);
   EXPECT_THAT(control.commands(), IsEmpty());
   step(1ms);
   EXPECT_THAT(control.commands(), ElementsAre("GetState"));
@@ -406,20 +409,44 @@ TEST_F(QualisysDriverTest, RefusesAGreetingThatIsNotQtms) {
   EXPECT_EQ(dut.health().rejected(Reason::bad_header), 1u);
 }
 
-TEST_F(QualisysDriverTest, FailsClearlyWhenTheVersionIsNotSpoken) {
-  for (const auto& [type, text] : {std::pair{PacketType::error, "Version NOT supported"},
-                                   std::pair{PacketType::command, "Version NOT supported"},
-                                   std::pair{PacketType::command, "Version set to 1.2"}}) {
-    ScriptedStream stream_out;
-    QualisysDriver driver{config(), stream_out, [](const topic::Bodies&) {}};
-    driver.step(now);
-    driver.on_open(now);
-    driver.on_bytes(encode_text(PacketType::command, kWelcome), now);
-    driver.on_bytes(encode_text(type, text), now);
-    EXPECT_EQ(driver.state(), State::down);
-    EXPECT_EQ(driver.health().rejected(Reason::refused), 1u);
-    EXPECT_THAT(std::string{driver.health().advice()}, HasSubstr("1.25"));
+TEST_F(QualisysDriverTest, GoesDownTheVersionsUntilOneIsSpoken) {
+  dut.step(now);
+  dut.on_open(now);
+  answer("QTM RT Interface connected");
+  for (int minor = 25; minor > 21; --minor) {
+    EXPECT_THAT(control.commands(), ElementsAre("Version 1." + std::to_string(minor)));
+    // The documentation does not say by which kind of packet a version is refused.
+    say(minor % 2 == 0 ? PacketType::command : PacketType::error, "Version NOT supported");
   }
+  EXPECT_THAT(control.commands(), ElementsAre("Version 1.21"));
+  answer("Version set to 1.21");
+  EXPECT_EQ(dut.state(), State::qtm_version);
+  EXPECT_EQ(dut.version_minor(), 21);
+  EXPECT_EQ(dut.health().rejected_total(), 0u) << "to negotiate is no fault";
+}
+
+TEST_F(QualisysDriverTest, FailsClearlyWhenNoVersionIsSpokenAndBeginsAtTheTopAgain) {
+  dut.step(now);
+  dut.on_open(now);
+  answer("QTM RT Interface connected");
+  for (int refusal = 0; refusal < 5; ++refusal) say(PacketType::error, "Version NOT supported");
+  EXPECT_EQ(dut.state(), State::down);
+  EXPECT_EQ(dut.health().rejected(Reason::refused), 1u);
+  EXPECT_THAT(std::string{dut.health().advice()}, HasSubstr("1.25 to 1.21"));
+  step(500ms);
+  dut.on_open(now);
+  control.commands();
+  answer("QTM RT Interface connected");
+  EXPECT_THAT(control.commands(), ElementsAre("Version 1.25"));
+}
+
+TEST_F(QualisysDriverTest, RefusesAVersionThatItDidNotAskFor) {
+  dut.step(now);
+  dut.on_open(now);
+  answer("QTM RT Interface connected");
+  answer("Version set to 1.2");
+  EXPECT_EQ(dut.state(), State::down);
+  EXPECT_EQ(dut.health().rejected(Reason::refused), 1u);
 }
 
 TEST_F(QualisysDriverTest, DoesWithoutTheVersionOfQtm) {

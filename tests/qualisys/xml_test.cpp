@@ -4,6 +4,7 @@
 
 #include "drivers/core/random.hpp"
 #include "drivers/qualisys/qualisys_wire_data.hpp"
+#include "drivers/qualisys/qualisys_wire_text.hpp"
 #include "drivers/qualisys/qualisys_wire_xml.hpp"
 
 namespace motionlab::qualisys {
