@@ -41,7 +41,6 @@ qualisys::MeasuredBody body_of(std::string_view name, const plant::BodyReading& 
 }
 
 mru::DeviceConfig with(mru::DeviceConfig device, const plant::MruConfig& unit, const LabConfig& lab) {
-  device.period_s = unit.period_s;
   device.output_latency_s = unit.output_latency_s + lab.world.differences.sensor_extra_latency_s;
   device.seed = lab.seed;
   return device;
