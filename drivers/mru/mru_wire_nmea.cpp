@@ -141,7 +141,7 @@ Result<std::optional<Telegram>> Listener::take(Bytes datagram) noexcept {
     rest.remove_prefix(line.size());
     const Result<Sentence> sentence = decode(line);
     if (!sentence) return sentence.fault();
-    if (sentence->kind == Kind::other) continue;
+    if (!belongs(sentence->kind)) continue;
     known = true;
     if (sentence->kind == attitude_) {
       told = tell(*sentence);
@@ -152,10 +152,16 @@ Result<std::optional<Telegram>> Listener::take(Bytes datagram) noexcept {
     }
   } while (!rest.empty());
   if (!known) {
-    return Fault{Reason::bad_header, "no PSXN 20 to 24 or PRDID sentence: set the unit to the right output"};
+    return Fault{Reason::bad_header,
+                 "no sentence of the configured kind: set the unit to PSXN or PRDID, or the format"};
   }
   if (!believed) return Fault{Reason::bad_checksum, "the checksum of the sentence is missing or wrong"};
   return told;
+}
+
+bool Listener::belongs(Kind kind) const noexcept {
+  if (attitude_ == Kind::prdid) return kind == Kind::prdid;
+  return kind != Kind::prdid && kind != Kind::other;
 }
 
 void Listener::remember(const Sentence& sentence) noexcept {

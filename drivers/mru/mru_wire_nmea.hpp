@@ -65,11 +65,12 @@ class Listener {
 
   /// Reads a datagram of one or several sentences. A sentence whose checksum is bad is not remembered.
   /// @returns the last motion in it; nothing when it has none (a `20` alone); the fault of the first bad
-  ///          sentence; bad_header when no sentence is of a known kind; bad_checksum when none can be
-  ///          believed
+  ///          sentence; bad_header when no sentence is of this family (PSXN, or PRDID); bad_checksum when
+  ///          none can be believed
   [[nodiscard]] Result<std::optional<Telegram>> take(Bytes datagram) noexcept;
 
  private:
+  [[nodiscard]] bool belongs(Kind kind) const noexcept;
   void remember(const Sentence& sentence) noexcept;
   [[nodiscard]] Telegram tell(const Sentence& sentence) noexcept;
 

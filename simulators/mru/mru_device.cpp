@@ -67,10 +67,11 @@ void MruDevice::measure(const Reading& reading, LabTime t_measured) {
   const auto encoded = encode(motion, config_.format, layout, config_.checksum_rule, t_unit, waiting.bytes);
   if (!encoded) return;
   waiting.size = encoded->size();
-  waiting.order = measured_;
-  waiting.t_due = t_measured +
-                  from_seconds(config_.output_latency_s + config_.output_jitter_s * jitter_draw) +
-                  common_.delay();
+  const LabTime t_due = t_measured +
+                        from_seconds(config_.output_latency_s + config_.output_jitter_s * jitter_draw) +
+                        common_.delay();
+  // The unit's output is a queue: nothing overtakes in it.
+  waiting.t_due = waiting_.empty() ? t_due : std::max(t_due, waiting_.back().t_due);
   spoil(waiting);
   enqueue(waiting);
 }
@@ -124,22 +125,16 @@ void MruDevice::enqueue(const Waiting& waiting) {
 }
 
 void MruDevice::step(LabTime now) {
-  const auto earlier = [](const Waiting& a, const Waiting& b) {
-    return a.t_due != b.t_due ? a.t_due < b.t_due : a.order < b.order;
-  };
-  while (!waiting_.empty()) {
-    const auto next = std::min_element(waiting_.begin(), waiting_.end(), earlier);
-    if (next->t_due > now) return;
-    const Status status = out_.send(config_.to, Bytes{next->bytes.data(), next->size});
+  while (!waiting_.empty() && waiting_.front().t_due <= now) {
+    const Waiting& next = waiting_.front();
+    const Status status = out_.send(config_.to, Bytes{next.bytes.data(), next.size});
     ++(status ? sent_ : send_faults_);
-    waiting_.erase(next);
+    waiting_.erase(waiting_.begin());
   }
 }
 
 std::optional<LabTime> MruDevice::next_send() const noexcept {
-  std::optional<LabTime> next;
-  for (const Waiting& waiting : waiting_) next = next ? std::min(*next, waiting.t_due) : waiting.t_due;
-  return next;
+  return waiting_.empty() ? std::nullopt : std::optional{waiting_.front().t_due};
 }
 
 bool MruDevice::can_have(std::string_view fault) const noexcept {

@@ -87,7 +87,6 @@ class MruDevice {
   };
   struct Waiting {
     LabTime t_due{};
-    std::uint64_t order = 0;
     std::size_t size = 0;
     std::array<std::uint8_t, kMaxDatagram + kMaxExtraBytes> bytes{};
   };
