@@ -59,11 +59,13 @@ nlohmann::ordered_json to_json(const MruStream& stream) {
   const mru::FormatDetector& seen = stream.detector();
   const auto format = seen.format();
   nlohmann::ordered_json json;
-  json["format"] = format ? nlohmann::ordered_json{mru::to_string(*format)} : nullptr;
+  json["format"] = nullptr;
+  if (format) json["format"] = mru::to_string(*format);
   json["datagrams"] = seen.datagrams();
   json["bytes"] = seen.size();
   json["rate_hz"] = stream.rate_hz();
-  json["from"] = stream.from() ? nlohmann::ordered_json{to_string(*stream.from())} : nullptr;
+  json["from"] = nullptr;
+  if (stream.from()) json["from"] = to_string(*stream.from());
   if (format == mru::Format::mrubin) {
     json["token"] = *seen.token();
     json["variables"] = seen.variables();
