@@ -1,10 +1,9 @@
 #include "drivers/mru/mru_driver.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <utility>
 
 namespace motionlab::mru {
@@ -17,14 +16,21 @@ DeviceClock::Config clock_config(const DriverConfig& config) {
   return clock;
 }
 
+/// Coarse whole numbers stand still on a platform at rest; only floating-point ones show the sensor's noise.
+bool shows_noise(Format format) noexcept {
+  return format == Format::mrubin || format == Format::km_binary;
+}
+
 }  // namespace
 
 MruDriver::MruDriver(DriverConfig config, Sink<topic::Mru> sink)
     : config_(std::move(config)),
       sink_(std::move(sink)),
+      decoder_(config_.format, config_.layout),
       judge_(config_.checksum),
+      stillness_(shows_noise(config_.format) ? from_seconds(config_.stuck_after_s) : 0s),
       clock_(clock_config(config_)),
-      system_time_(std::llround(config_.restart_gap_s * 1e3)) {
+      unit_time_ms_(std::llround(config_.restart_gap_s * 1e3)) {
   sample_.device = config_.device;
   health_.phase(LinkPhase::connecting);
 }
@@ -35,23 +41,37 @@ void MruDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received) {
            t_received);
     return;
   }
-  const Result<Frame> frame = decode(datagram, config_.layout);
-  if (!frame) {
-    refuse(frame.fault(), t_received);
+  const Result<std::optional<Telegram>> telegram = decoder_.decode(datagram);
+  if (!telegram) {
+    refuse(telegram.fault(), t_received);
     return;
   }
-  const ChecksumJudge::Verdict verdict = judge_.judge(frame->checksum_match);
+  if (!*telegram) return;
+  const auto& [motion, check] = **telegram;
+  const ChecksumJudge::Verdict verdict = judge(check);
   if (verdict == ChecksumJudge::Verdict::refuse) {
     refuse({Reason::bad_checksum, "the checksum does not match: the datagram was damaged on its way"},
            t_received);
     return;
   }
-  const Result<LabTime> t_measured = place_in_time(*frame, t_received);
+  const Result<LabTime> t_measured = place_in_time(motion, t_received);
   if (!t_measured) {
     refuse(t_measured.fault(), t_received);
     return;
   }
-  tell(*frame, verdict == ChecksumJudge::Verdict::suspect, *t_measured, t_received);
+  tell(motion, verdict == ChecksumJudge::Verdict::suspect, *t_measured, t_received);
+}
+
+ChecksumJudge::Verdict MruDriver::judge(const Check& check) noexcept {
+  switch (check.rule) {
+    case Check::Rule::none:
+      break;
+    case Check::Rule::known:
+      return judge_.judge(check.good);
+    case Check::Rule::unsettled:
+      return judge_.judge(check.match);
+  }
+  return ChecksumJudge::Verdict::good;
 }
 
 void MruDriver::refuse(Fault fault, LabTime t_received) noexcept {
@@ -59,62 +79,57 @@ void MruDriver::refuse(Fault fault, LabTime t_received) noexcept {
   t_refused_ = t_received;
 }
 
-Result<LabTime> MruDriver::place_in_time(const Frame& frame, LabTime t_received) noexcept {
+Result<LabTime> MruDriver::place_in_time(const Motion& motion, LabTime t_received) noexcept {
   using Step = WrappingCounter::Step;
-  const auto raw_ms = frame.system_time_ms(config_.layout);
-  if (!raw_ms) return t_received - from_seconds(config_.latency_s);
+  if (!motion.t_unit) return t_received - from_seconds(config_.latency_s);
 
-  Step step = system_time_.classify(*raw_ms);
+  const std::uint32_t raw_ms = motion.t_unit->ms;
+  Step step = unit_time_ms_.classify(raw_ms);
   if (step == Step::repeated)
-    return Fault{Reason::duplicate, "SystemTime has not moved: repeated, or the unit hangs"};
+    return Fault{Reason::duplicate, "the unit's time has not moved: repeated, or the unit hangs"};
   if (step == Step::backward)
-    return Fault{Reason::out_of_order, "SystemTime is older than the last accepted one"};
+    return Fault{Reason::out_of_order, "the unit's time is older than the last accepted one"};
   if (step == Step::forward && health_.t_received()) {
     // Time may pass unseen, but the unit's cannot run ahead of ours: a restart can also look like a step
     // forward.
     const double ahead_s =
-        1e-3 * static_cast<double>(system_time_.unwrapped(*raw_ms) - system_time_.total()) -
+        1e-3 * static_cast<double>(unit_time_ms_.unwrapped(raw_ms) - unit_time_ms_.total()) -
         seconds(t_received - *health_.t_received());
     if (ahead_s > config_.restart_gap_s) step = Step::restarted;
   }
   if (step == Step::restarted) {
-    system_time_.reset();
+    unit_time_ms_.reset();
     clock_.reset();
     health_.reconnected();
   }
-  const std::int64_t advance_ms = system_time_.advance(*raw_ms);
+  const std::int64_t advance_ms = unit_time_ms_.advance(raw_ms);
   if (step == Step::forward) {
     const long long periods = std::llround(1e-3 * static_cast<double>(advance_ms) / config_.period_s);
     health_.lost(static_cast<std::uint64_t>(std::max(0LL, periods - 1)));
   }
-  return clock_.map(std::chrono::milliseconds{system_time_.total()}, t_received);
+  return clock_.map(std::chrono::milliseconds{unit_time_ms_.total()} + motion.t_unit->within_ms, t_received);
 }
 
-void MruDriver::tell(const Frame& frame, bool suspect, LabTime t_measured, LabTime t_received) {
-  const auto value = [&](Variable variable) {
-    return frame.value(variable, config_.layout).value_or(std::numeric_limits<double>::quiet_NaN());
-  };
-  const auto triple = [&](Variable a, Variable b, Variable c) {
-    return std::array<double, 3>{value(a), value(b), value(c)};
-  };
-  using enum Variable;
+void MruDriver::tell(const Motion& motion, bool suspect, LabTime t_measured, LabTime t_received) {
   health_.accepted(t_measured, t_received);
   health_.phase(LinkPhase::up);
-  stable_ = frame.stable;
+  stuck_ = stillness_.stuck(motion, t_received);
+  stable_ = motion.stable;
+  reduced_ = motion.reduced;
   ++sample_.sequence_number;
   sample_.t_measured_ns = to_ns(t_measured);
   sample_.t_received_ns = to_ns(t_received);
-  sample_.stable = frame.stable;
+  sample_.stable = motion.stable && !stuck_;
   sample_.checksum_suspect = suspect;
-  sample_.euler_heading_mru_rad = triple(roll, pitch, yaw);
-  sample_.omega_mru_radps = triple(ang_rate_r, ang_rate_p, ang_rate_y);
-  sample_.omega_down_radps = value(ang_rate_d);
-  sample_.v_mru_mps = triple(vel_mru_r, vel_mru_p, vel_mru_y);
-  sample_.a_mru_mps2 = triple(acc_mru_r, acc_mru_p, acc_mru_y);
-  sample_.p_heading_origin_m = triple(pos_cg_f, pos_cg_s, pos_cg_d);
-  sample_.v_heading_origin_mps = triple(vel_cg_f, vel_cg_s, vel_cg_d);
-  sample_.a_heading_origin_mps2 = triple(acc_cg_f, acc_cg_s, acc_cg_d);
-  sample_.sensor_temperature_degc = value(sensor_temperature);
+  sample_.euler_heading_mru_rad = motion.euler_heading_mru_rad;
+  sample_.omega_mru_radps = motion.omega_mru_radps;
+  sample_.omega_down_radps = motion.omega_down_radps;
+  sample_.v_mru_mps = motion.v_mru_mps;
+  sample_.a_mru_mps2 = motion.a_mru_mps2;
+  sample_.p_heading_origin_m = motion.p_heading_origin_m;
+  sample_.v_heading_origin_mps = motion.v_heading_origin_mps;
+  sample_.a_heading_origin_mps2 = motion.a_heading_origin_mps2;
+  sample_.sensor_temperature_degc = motion.sensor_temperature_degc;
   if (sink_) sink_(sample_);
 }
 
@@ -131,14 +146,16 @@ std::string_view MruDriver::advice(LabTime now) const noexcept {
   const LabTime t_last = health_.t_received().value_or(*t_started_);
   if (now - t_last > from_seconds(config_.silent_after_s)) {
     if (t_refused_ && now - *t_refused_ <= from_seconds(config_.silent_after_s)) {
-      return "No good datagram from the unit: see the counted reasons; compare token, variable list and "
-             "address.";
+      return "No good datagram from the unit: see the counted reasons; compare format, token, variable "
+             "list and address.";
     }
     return health_.received() > 0
                ? "The unit has fallen silent: check its power, its cable and the network."
                : "Nothing has come from the unit yet: check its destination address and port.";
   }
+  if (stuck_) return "The unit repeats its values to the last bit: it does not measure; power it off and on.";
   if (!stable_) return "The unit is settling: wait (about five minutes after power-on).";
+  if (reduced_) return "The unit reports reduced performance: see its own status.";
   if (judge_.state() == ChecksumJudge::State::unknown) {
     return "The checksum follows neither known rule: record ten seconds of datagrams and settle the rule.";
   }

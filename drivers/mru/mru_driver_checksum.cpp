@@ -12,7 +12,14 @@ ChecksumJudge::Verdict ChecksumJudge::judge(ChecksumMatch match) noexcept {
     score(match);
     return Verdict::good;
   }
-  if (!rule_ || match.of(*rule_)) return Verdict::good;
+  return !rule_ || match.of(*rule_) ? Verdict::good : mismatch();
+}
+
+ChecksumJudge::Verdict ChecksumJudge::judge(bool matches) noexcept {
+  return matches || config_.policy == ChecksumPolicy::ignore ? Verdict::good : mismatch();
+}
+
+ChecksumJudge::Verdict ChecksumJudge::mismatch() noexcept {
   ++mismatches_;
   return config_.policy == ChecksumPolicy::enforce ? Verdict::refuse : Verdict::suspect;
 }

@@ -14,7 +14,8 @@ enum class ChecksumPolicy : std::uint8_t {
   enforce,  ///< a mismatch refuses the datagram, once the rule is known
 };
 
-/// Learns which rule a unit follows and judges each frame by it.
+/// Judges each datagram by its checksum. Where the format says how it is made that is easy; where it does
+/// not (MRUBIN), the judge learns which rule a unit follows.
 ///
 /// With a configured rule every frame is judged from the first. Without one, both rules are scored over the
 /// first `frames_to_score` frames; the one that matched more than `lock_share` of them is locked, otherwise
@@ -32,7 +33,10 @@ class ChecksumJudge {
 
   explicit ChecksumJudge(Config config) noexcept;
 
+  /// Of a datagram that may follow either rule of MRUBIN.
   Verdict judge(ChecksumMatch match) noexcept;
+  /// Of a datagram whose format has one rule.
+  Verdict judge(bool matches) noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
   /// The rule in force; nothing while scoring or when unknown.
@@ -42,6 +46,7 @@ class ChecksumJudge {
 
  private:
   void score(ChecksumMatch match) noexcept;
+  [[nodiscard]] Verdict mismatch() noexcept;
 
   Config config_;
   State state_ = State::scoring;

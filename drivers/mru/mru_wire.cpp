@@ -30,6 +30,7 @@ Status check_plausible(const VariableFacts& facts, double value, const Plausibil
     case Quantity::temperature:
     case Quantity::heading:
     case Quantity::motion:
+    case Quantity::unlisted:
       break;
   }
   return Done{};

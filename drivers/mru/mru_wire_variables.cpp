@@ -1,38 +1,40 @@
 #include "drivers/mru/mru_wire_variables.hpp"
 
+#include <algorithm>
+
 namespace motionlab::mru {
 namespace {
 
 using enum Variable;
 
 constexpr std::array kFacts{
-    VariableFacts{ang_rate_r, "AngRate_R", ValueType::f32, Quantity::rate, "rad/s"},
-    VariableFacts{ang_rate_p, "AngRate_P", ValueType::f32, Quantity::rate, "rad/s"},
-    VariableFacts{ang_rate_y, "AngRate_Y", ValueType::f32, Quantity::rate, "rad/s"},
-    VariableFacts{ang_rate_d, "AngRate_D", ValueType::f32, Quantity::rate, "rad/s"},
-    VariableFacts{sensor_temperature, "SensorTemp", ValueType::f32, Quantity::temperature, "degC"},
-    VariableFacts{ang_acc_r, "AngAcc_R", ValueType::f32, Quantity::motion, "rad/s2"},
-    VariableFacts{ang_acc_p, "AngAcc_P", ValueType::f32, Quantity::motion, "rad/s2"},
-    VariableFacts{ang_acc_y, "AngAcc_Y", ValueType::f32, Quantity::motion, "rad/s2"},
-    VariableFacts{roll, "Roll", ValueType::f32, Quantity::tilt, "rad"},
-    VariableFacts{pitch, "Pitch", ValueType::f32, Quantity::tilt, "rad"},
-    VariableFacts{yaw, "Yaw", ValueType::f32, Quantity::heading, "rad"},
-    VariableFacts{system_time, "SystemTime", ValueType::i32, Quantity::time, "ms"},
-    VariableFacts{acc_mru_r, "AccMru_R", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{acc_mru_p, "AccMru_P", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{acc_mru_y, "AccMru_Y", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{vel_mru_r, "VelMru_R", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{vel_mru_p, "VelMru_P", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{vel_mru_y, "VelMru_Y", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{acc_cg_f, "AccCg_F", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{acc_cg_s, "AccCg_S", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{acc_cg_d, "AccCg_D", ValueType::f32, Quantity::motion, "m/s2"},
-    VariableFacts{vel_cg_f, "VelCg_F", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{vel_cg_s, "VelCg_S", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{vel_cg_d, "VelCg_D", ValueType::f32, Quantity::motion, "m/s"},
-    VariableFacts{pos_cg_f, "PosCg_F", ValueType::f32, Quantity::motion, "m"},
-    VariableFacts{pos_cg_s, "PosCg_S", ValueType::f32, Quantity::motion, "m"},
-    VariableFacts{pos_cg_d, "PosCg_D", ValueType::f32, Quantity::heave, "m"},
+    VariableFacts{ang_rate_r, "AngRate_R", ValueType::f32, Quantity::rate, "rad/s", "body"},
+    VariableFacts{ang_rate_p, "AngRate_P", ValueType::f32, Quantity::rate, "rad/s", "body"},
+    VariableFacts{ang_rate_y, "AngRate_Y", ValueType::f32, Quantity::rate, "rad/s", "body"},
+    VariableFacts{ang_rate_d, "AngRate_D", ValueType::f32, Quantity::rate, "rad/s", "heading"},
+    VariableFacts{sensor_temperature, "SensorTemp", ValueType::f32, Quantity::temperature, "degC", ""},
+    VariableFacts{ang_acc_r, "AngAcc_R", ValueType::f32, Quantity::motion, "rad/s2", "body"},
+    VariableFacts{ang_acc_p, "AngAcc_P", ValueType::f32, Quantity::motion, "rad/s2", "body"},
+    VariableFacts{ang_acc_y, "AngAcc_Y", ValueType::f32, Quantity::motion, "rad/s2", "body"},
+    VariableFacts{roll, "Roll", ValueType::f32, Quantity::tilt, "rad", "heading"},
+    VariableFacts{pitch, "Pitch", ValueType::f32, Quantity::tilt, "rad", "heading"},
+    VariableFacts{yaw, "Yaw", ValueType::f32, Quantity::heading, "rad", "heading"},
+    VariableFacts{system_time, "SystemTime", ValueType::i32, Quantity::time, "ms", ""},
+    VariableFacts{acc_mru_r, "AccMru_R", ValueType::f32, Quantity::motion, "m/s2", "body"},
+    VariableFacts{acc_mru_p, "AccMru_P", ValueType::f32, Quantity::motion, "m/s2", "body"},
+    VariableFacts{acc_mru_y, "AccMru_Y", ValueType::f32, Quantity::motion, "m/s2", "body"},
+    VariableFacts{vel_mru_r, "VelMru_R", ValueType::f32, Quantity::motion, "m/s", "body"},
+    VariableFacts{vel_mru_p, "VelMru_P", ValueType::f32, Quantity::motion, "m/s", "body"},
+    VariableFacts{vel_mru_y, "VelMru_Y", ValueType::f32, Quantity::motion, "m/s", "body"},
+    VariableFacts{acc_cg_f, "AccCg_F", ValueType::f32, Quantity::motion, "m/s2", "heading"},
+    VariableFacts{acc_cg_s, "AccCg_S", ValueType::f32, Quantity::motion, "m/s2", "heading"},
+    VariableFacts{acc_cg_d, "AccCg_D", ValueType::f32, Quantity::motion, "m/s2", "heading"},
+    VariableFacts{vel_cg_f, "VelCg_F", ValueType::f32, Quantity::motion, "m/s", "heading"},
+    VariableFacts{vel_cg_s, "VelCg_S", ValueType::f32, Quantity::motion, "m/s", "heading"},
+    VariableFacts{vel_cg_d, "VelCg_D", ValueType::f32, Quantity::motion, "m/s", "heading"},
+    VariableFacts{pos_cg_f, "PosCg_F", ValueType::f32, Quantity::motion, "m", "heading"},
+    VariableFacts{pos_cg_s, "PosCg_S", ValueType::f32, Quantity::motion, "m", "heading"},
+    VariableFacts{pos_cg_d, "PosCg_D", ValueType::f32, Quantity::heave, "m", "heading"},
 };
 
 constexpr std::array kLaboratory{system_time, sensor_temperature, ang_rate_d, roll,      pitch,     yaw,
@@ -49,18 +51,28 @@ const VariableFacts* facts_of(Variable variable) noexcept {
   return nullptr;
 }
 
-Result<VariableList> VariableList::of(std::span<const Variable> variables) noexcept {
+Result<VariableList> VariableList::of(std::span<const Variable> variables,
+                                      std::span<const Variable> unlisted_f32,
+                                      std::span<const Variable> unlisted_i32) noexcept {
   if (variables.empty()) return Fault{Reason::bad_value, "the variable list is empty: name at least one"};
   if (variables.size() > kMaxVariables) {
     return Fault{Reason::bad_value, "more than 63 variables do not fit into one MRU datagram"};
   }
   VariableList list;
   for (const Variable variable : variables) {
-    const VariableFacts* facts = facts_of(variable);
-    if (!facts)
-      return Fault{Reason::bad_value, "a variable number is unknown: add it to the table of mru_wire"};
     if (list.index_of(variable)) return Fault{Reason::bad_value, "a variable is listed twice"};
-    list.facts_[list.size_++] = facts;
+    VariableFacts& facts = list.facts_[list.size_];
+    if (const VariableFacts* known = facts_of(variable)) {
+      facts = *known;
+    } else if (std::ranges::find(unlisted_f32, variable) != unlisted_f32.end()) {
+      facts = {variable, "", ValueType::f32, Quantity::unlisted, "", ""};
+    } else if (std::ranges::find(unlisted_i32, variable) != unlisted_i32.end()) {
+      facts = {variable, "", ValueType::i32, Quantity::unlisted, "", ""};
+    } else {
+      return Fault{Reason::bad_value,
+                   "a variable number is not known: say its type, among the unlisted f32 or i32"};
+    }
+    ++list.size_;
   }
   return list;
 }
@@ -72,7 +84,7 @@ const VariableList& VariableList::laboratory() noexcept {
 
 std::optional<std::size_t> VariableList::index_of(Variable variable) const noexcept {
   for (std::size_t i = 0; i < size_; ++i) {
-    if (facts_[i]->variable == variable) return i;
+    if (facts_[i].variable == variable) return i;
   }
   return std::nullopt;
 }

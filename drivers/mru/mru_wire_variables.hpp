@@ -53,7 +53,7 @@ enum class Variable : std::uint16_t {
 enum class ValueType : std::uint8_t { f32, i32 };
 
 /// What a variable means physically; decides which plausibility limit holds for it.
-enum class Quantity : std::uint8_t { time, temperature, tilt, heading, rate, motion, heave };
+enum class Quantity : std::uint8_t { time, temperature, tilt, heading, rate, motion, heave, unlisted };
 
 struct VariableFacts {
   Variable variable{};
@@ -61,6 +61,7 @@ struct VariableFacts {
   ValueType type{};
   Quantity quantity{};
   std::string_view unit;
+  std::string_view frame;  ///< body, heading, or empty for what has none
 };
 
 /// What is known of a variable; nothing when its number is not in the table.
@@ -74,20 +75,24 @@ class VariableList {
  public:
   VariableList() = default;
 
-  /// Faults: bad_value for an empty list, more than 63 variables, a number that is not in the table, or one
-  /// twice.
-  [[nodiscard]] static Result<VariableList> of(std::span<const Variable> variables) noexcept;
+  /// @param unlisted_f32, unlisted_i32  numbers that are not in the table, by the type of their four bytes:
+  ///        they are read over and told nobody
+  /// Faults: bad_value for an empty list, more than 63 variables, a number that is neither in the table nor
+  /// said to be unlisted, or one twice.
+  [[nodiscard]] static Result<VariableList> of(std::span<const Variable> variables,
+                                               std::span<const Variable> unlisted_f32 = {},
+                                               std::span<const Variable> unlisted_i32 = {}) noexcept;
   /// The 24 variables of the laboratory's 100-byte datagram.
   [[nodiscard]] static const VariableList& laboratory() noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   /// @pre index < size()
-  [[nodiscard]] const VariableFacts& operator[](std::size_t index) const noexcept { return *facts_[index]; }
+  [[nodiscard]] const VariableFacts& operator[](std::size_t index) const noexcept { return facts_[index]; }
   /// Where a variable stands in the datagram, counted in values from 0; nothing when the list lacks it.
   [[nodiscard]] std::optional<std::size_t> index_of(Variable variable) const noexcept;
 
  private:
-  std::array<const VariableFacts*, kMaxVariables> facts_{};
+  std::array<VariableFacts, kMaxVariables> facts_{};
   std::size_t size_ = 0;
 };
 

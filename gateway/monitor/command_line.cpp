@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/core/error.hpp"
+#include "gateway/monitor/check_command.hpp"
 #include "gateway/monitor/mode_command.hpp"
 #include "gateway/monitor/score_command.hpp"
 #include "gateway/monitor/status_command.hpp"
@@ -21,6 +22,7 @@ Examples:
   motionlab settle                            bring everything to rest, from anywhere, at any time
   motionlab reset                             acknowledge a latched fault once its cause is gone
   motionlab score --seconds 60 --report r.json
+  motionlab check mru --listen 50043          which format does this unit send?
   motionlab --interface 127.0.0.1 status      a laboratory started by lab.sh
 
 Exit codes: 0 good, 1 something is wrong or the gateway said no, 2 nobody answers, 64 wrong usage, 130 interrupted.)";
@@ -31,6 +33,7 @@ struct Chosen {
   bool json = false;
   ModeCommand mode;
   ScoreCommand score;
+  CheckMruCommand check_mru;
   std::function<int(const Terminal&)> run;
 };
 
@@ -93,6 +96,28 @@ void add_score(CLI::App& app, Chosen& chosen) {
   });
 }
 
+void add_check(CLI::App& app, Chosen& chosen) {
+  CLI::App* const check = app.add_subcommand("check", "listens to a device in the gateway's place");
+  check->require_subcommand(1);
+  CLI::App* const command =
+      check->add_subcommand("mru", "which format a motion reference unit sends, and one sample of it");
+  CheckMruCommand& mru = chosen.check_mru;
+  command->add_option("--listen", mru.port, "UDP port; no gateway may be listening there")
+      ->required()
+      ->check(CLI::Range(1, 65535));
+  command->add_option("--seconds", mru.seconds, "how long to listen (2)")->check(CLI::Range(0.1, 3600.0));
+  command
+      ->add_option("--variables", mru.variables,
+                   "list of an mrubin unit, by number, with commas (the laboratory's)")
+      ->delimiter(',');
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.check_mru.json = chosen.json;
+      return run_check_mru(chosen.check_mru, terminal);
+    };
+  });
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv, const Terminal& terminal) {
@@ -106,6 +131,7 @@ int run_command_line(int argc, const char* const* argv, const Terminal& terminal
   add_mode_command(app, chosen, topic::ModeAction::settle, "bring everything to rest");
   add_mode_command(app, chosen, topic::ModeAction::reset, "acknowledge a latched fault");
   add_score(app, chosen);
+  add_check(app, chosen);
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

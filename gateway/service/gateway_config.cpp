@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "drivers/core/error.hpp"
@@ -48,18 +49,43 @@ math::RigidTransform pose(const TomlTable& table, std::string_view key) {
                                                Eigen::Map<const Eigen::Vector3d>(p.data()));
 }
 
+/// The variables of MRUBIN by their numbers; those that the product does not know are read over.
+mru::VariableList variable_list(const TomlTable& t) {
+  const auto numbers = [&t](std::string_view key) {
+    std::vector<mru::Variable> variables;
+    if (!t.has(key)) return variables;
+    for (const double number : t.numbers(key, {0.0, 65535.0})) {
+      if (number != std::floor(number)) t.fail(key, "a variable has a whole number");
+      variables.push_back(static_cast<mru::Variable>(number));
+    }
+    return variables;
+  };
+  const auto f32 = numbers("unlisted_f32"), i32 = numbers("unlisted_i32");
+  if (!t.has("variables")) return mru::VariableList::laboratory();
+  const auto list = mru::VariableList::of(numbers("variables"), f32, i32);
+  if (!list) t.fail("variables", list.fault().text);
+  return *list;
+}
+
 MruLink mru_link(const TomlTable& root, const std::string& name, bool required) {
   const TomlTable t = root.table(name);
   MruLink link;
   link.listen = t.endpoint("listen");
   link.driver.device = name;
   link.driver.source_address = parsed(t, "source", Endpoint::parse_address);
+  link.driver.format = mru::kFormats[t.choice_or(
+      "format", 0, {"mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23"})];
   link.driver.layout.token = static_cast<std::uint8_t>(t.integer("token", {0, 255}));
+  link.driver.layout.variables = variable_list(t);
   link.driver.period_s = t.number("period_s", kPeriod);
   link.driver.latency_s = t.number("latency_s", kLatency);
   constexpr std::array policies{mru::ChecksumPolicy::ignore, mru::ChecksumPolicy::count,
                                 mru::ChecksumPolicy::enforce};
   link.driver.checksum.policy = policies[t.choice("checksum", {"ignore", "count", "enforce"})];
+  constexpr std::array rules{std::optional<mru::ChecksumRule>{}, std::optional{mru::ChecksumRule::sum8},
+                             std::optional{mru::ChecksumRule::ones_complement}};
+  link.driver.checksum.rule = rules[t.choice_or("checksum_rule", 0, {"auto", "sum8", "ones_complement"})];
+  link.driver.stuck_after_s = t.number_or("stuck_after_s", 0.0, {0.0, 60.0});
   link.rule = {t.number("stale_after_s", kFreshness), required};
   return link;
 }
@@ -271,7 +297,8 @@ std::string wiring(const GatewayConfig& config) {
   };
   for (const auto& mru : config.mrus) {
     line(mru.driver.device, "listens on udp " + to_string(mru.listen) + ", hears " +
-                                address_to_string(mru.driver.source_address) +
+                                address_to_string(mru.driver.source_address) + " (" +
+                                std::string{to_string(mru.driver.format)} + ")" +
                                 (mru.rule.required ? ", required" : ""));
   }
   line(config.qualisys.driver.device, "calls tcp " + to_string(config.qualisys.server) +

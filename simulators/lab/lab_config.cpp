@@ -171,10 +171,24 @@ void read_camera(const TomlTable& t, plant::CameraConfig& c) {
   read_number(t, "dropout_s", c.dropout_s, {0, 1000});
 }
 
+mru::VariableList read_variables(const TomlTable& t) {
+  std::vector<mru::Variable> variables;
+  for (const double number : t.numbers("variables", {0, 65535})) {
+    variables.push_back(static_cast<mru::Variable>(number));
+  }
+  const auto list = mru::VariableList::of(variables);
+  if (!list) t.fail("variables", list.fault().text);
+  return *list;
+}
+
 void read_mru_device(const TomlTable& t, LabConfig::Mru& c) {
   c.from = t.endpoint_or("from", c.from);
   c.device.to = t.endpoint_or("to", c.device.to);
   c.device.layout.token = static_cast<std::uint8_t>(t.integer_or("token", c.device.layout.token, {0, 255}));
+  c.device.format = mru::kFormats[t.choice_or(
+      "format", static_cast<std::size_t>(c.device.format),
+      {"mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23"})];
+  if (t.has("variables")) c.device.layout.variables = read_variables(t);
   constexpr std::array kRules{mru::ChecksumRule::sum8, mru::ChecksumRule::ones_complement};
   const std::size_t now = c.device.checksum_rule == kRules[0] ? 0 : 1;
   c.device.checksum_rule = kRules[t.choice_or("checksum", now, {"sum8", "ones_complement"})];

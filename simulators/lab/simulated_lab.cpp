@@ -58,7 +58,6 @@ std::vector<qualisys::UnlabelledMarker> hook_markers(const plant::BodyReading& l
 }
 
 mru::DeviceConfig with(mru::DeviceConfig device, const plant::MruConfig& unit, const LabConfig& lab) {
-  device.period_s = unit.period_s;
   device.output_latency_s = unit.output_latency_s + lab.world.differences.sensor_extra_latency_s;
   device.seed = lab.seed;
   return device;

@@ -2,61 +2,121 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace motionlab::mru {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 256;
-constexpr std::size_t kMaxExtraBytes = 64;
+/// Behind an NMEA checksum stand CR and LF.
+constexpr std::size_t kAfterChecksumOfText = 2;
 
-double value_or(double value, double otherwise) {
-  return value > 0.0 ? value : otherwise;
+bool is_text(Format format) {
+  return format == Format::psxn || format == Format::prdid;
 }
 
-std::size_t bytes_or_one(double value, std::size_t most) {
-  return value >= 1.0 ? static_cast<std::size_t>(std::min(value, static_cast<double>(most))) : 1;
+bool has_utc(Format format) {
+  return format == Format::km_binary || format == Format::bin23;
+}
+
+/// Every value that is measured, off by the same amount.
+Reading off_by(Reading reading, double error) {
+  if (error == 0.0) return reading;
+  for (auto* const values :
+       {&reading.euler_heading_mru_rad, &reading.omega_mru_radps, &reading.v_mru_mps, &reading.a_mru_mps2,
+        &reading.p_heading_origin_m, &reading.v_heading_origin_mps, &reading.a_heading_origin_mps2}) {
+    for (double& value : *values) value += error;
+  }
+  reading.omega_down_radps += error;
+  return reading;
 }
 
 }  // namespace
 
 MruDevice::MruDevice(DeviceConfig config, DatagramOut& out)
-    : config_(std::move(config)), out_(out), random_(config_.seed, config_.name + "/wire") {
+    : config_(std::move(config)),
+      out_(out),
+      jitter_(config_.seed, config_.name + "/wire"),
+      garbage_(config_.seed, config_.name + "/garbage") {
   waiting_.reserve(kMaxWaiting);
 }
 
 void MruDevice::measure(const Reading& reading, LabTime t_measured) {
+  // Drawn in every period, so that switching a fault on moves nobody else's dice.
+  const double jitter_draw = jitter_.uniform();
+  if (common_.off()) {
+    t_first_.reset();
+    waiting_.clear();
+    return;
+  }
   if (!t_first_) t_first_ = t_measured;
   ++measured_;
-  // Drawn in every period, so that switching a fault on moves nobody else's dice.
-  const double jitter_draw = random_.uniform();
-  const double loss_draw = random_.uniform();
-  const double corrupt_draw = random_.uniform();
-  const std::uint64_t corrupt_bits = random_.bits();
-
-  const Frame frame = frame_of(reading, t_measured);
-  if (faults_.silent || loss_draw < faults_.loss_share) return;
+  if (!common_.stuck()) {
+    stuck_at_.reset();
+  } else if (!stuck_at_) {
+    stuck_at_ = reading;
+  }
+  const Motion motion = motion_of(off_by(stuck_at_.value_or(reading), common_.wrong_by()), t_measured);
+  const Nanoseconds t_unit = unit_time(t_measured);
+  const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(common_.slow_by())));
+  if (faults_.silent || !common_.speaks(t_measured) || measured_ % every != 0) return;
 
   Layout layout = config_.layout;
   if (faults_.wrong_token) layout.token = static_cast<std::uint8_t>(layout.token + 1);
   Waiting waiting;
-  const auto encoded = encode(frame, layout, config_.checksum_rule, waiting.bytes);
+  const auto encoded = encode(motion, config_.format, layout, config_.checksum_rule, t_unit, waiting.bytes);
   if (!encoded) return;
   waiting.size = encoded->size();
-  waiting.order = measured_;
-  if (corrupt_draw < faults_.corrupt_share) {
-    const std::size_t bit = static_cast<std::size_t>(corrupt_bits % (8 * waiting.size));
-    waiting.bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
-  }
-  waiting.size -= std::min(waiting.size, faults_.truncate_bytes);
-  waiting.size += faults_.oversize_bytes;
-
-  double delay_s = config_.output_latency_s + config_.output_jitter_s * jitter_draw + faults_.late_s;
-  if (faults_.reorder && measured_ % 2 == 0) delay_s += 1.5 * config_.period_s;
-  waiting.t_due = t_measured + from_seconds(delay_s);
+  const LabTime t_due = t_measured +
+                        from_seconds(config_.output_latency_s + config_.output_jitter_s * jitter_draw) +
+                        common_.delay();
+  // The unit's output is a queue: nothing overtakes in it.
+  waiting.t_due = waiting_.empty() ? t_due : std::max(t_due, waiting_.back().t_due);
+  spoil(waiting);
   enqueue(waiting);
-  if (faults_.repeat) enqueue(waiting);
+}
+
+Motion MruDevice::motion_of(const Reading& reading, LabTime t_measured) {
+  const bool settling = t_measured - *t_first_ < from_seconds(config_.settling_s);
+  Motion motion;
+  motion.stable = !settling && !faults_.unstable;
+  motion.reduced = faults_.reduced;
+  motion.euler_heading_mru_rad = reading.euler_heading_mru_rad;
+  motion.omega_mru_radps = reading.omega_mru_radps;
+  motion.omega_down_radps = reading.omega_down_radps;
+  motion.v_mru_mps = reading.v_mru_mps;
+  motion.a_mru_mps2 = reading.a_mru_mps2;
+  motion.p_heading_origin_m = reading.p_heading_origin_m;
+  motion.v_heading_origin_mps = reading.v_heading_origin_mps;
+  motion.a_heading_origin_mps2 = reading.a_heading_origin_mps2;
+  motion.sensor_temperature_degc = reading.sensor_temperature_degc;
+  if (faults_.nan) motion.euler_heading_mru_rad[0] = kNotTold;
+  return motion;
+}
+
+Nanoseconds MruDevice::unit_time(LabTime t_measured) {
+  if (faults_.freeze_time) return t_unit_;
+  const Nanoseconds elapsed = t_measured - *t_first_;
+  const Nanoseconds drift{
+      std::llround(static_cast<double>(elapsed.count()) * config_.clock_drift_ppm * 1e-6)};
+  const Nanoseconds start = has_utc(config_.format)
+                                ? t_first_->time_since_epoch()
+                                : Nanoseconds{std::chrono::milliseconds{config_.system_time_start_ms}};
+  t_unit_ = start + elapsed + drift + clock_jump_;
+  return t_unit_;
+}
+
+void MruDevice::spoil(Waiting& waiting) {
+  if (faults_.bad_checksum) {
+    const std::size_t behind = is_text(config_.format) ? kAfterChecksumOfText : 0;
+    waiting.bytes[waiting.size - 1 - behind] ^= 0x01;
+  }
+  if (common_.garbage()) {
+    for (auto& byte : MutableBytes{waiting.bytes}.first(waiting.size)) {
+      byte = static_cast<std::uint8_t>(garbage_.bits());
+    }
+  }
+  waiting.size += faults_.oversize_bytes;
 }
 
 void MruDevice::enqueue(const Waiting& waiting) {
@@ -64,97 +124,67 @@ void MruDevice::enqueue(const Waiting& waiting) {
   waiting_.push_back(waiting);
 }
 
-Frame MruDevice::frame_of(const Reading& reading, LabTime t_measured) {
-  using enum Variable;
-  Frame frame;
-  const bool settling = t_measured - *t_first_ < from_seconds(config_.settling_s);
-  frame.stable = !settling && !faults_.unstable;
-  frame.token = config_.layout.token;
-  frame.size = config_.layout.variables.size();
-  const auto set = [&](Variable variable, double value) {
-    if (const auto index = config_.layout.variables.index_of(variable)) frame.values[*index] = value;
-  };
-  const auto set_triple = [&](Variable a, Variable b, Variable c, const std::array<double, 3>& values) {
-    set(a, values[0]);
-    set(b, values[1]);
-    set(c, values[2]);
-  };
-  set(system_time, static_cast<double>(system_time_ms(t_measured)));
-  set(sensor_temperature, reading.sensor_temperature_degc);
-  set(ang_rate_d, reading.omega_down_radps);
-  set_triple(roll, pitch, yaw, reading.euler_heading_mru_rad);
-  set_triple(ang_rate_r, ang_rate_p, ang_rate_y, reading.omega_mru_radps);
-  set_triple(vel_mru_r, vel_mru_p, vel_mru_y, reading.v_mru_mps);
-  set_triple(acc_mru_r, acc_mru_p, acc_mru_y, reading.a_mru_mps2);
-  set_triple(pos_cg_f, pos_cg_s, pos_cg_d, reading.p_heading_origin_m);
-  set_triple(vel_cg_f, vel_cg_s, vel_cg_d, reading.v_heading_origin_mps);
-  set_triple(acc_cg_f, acc_cg_s, acc_cg_d, reading.a_heading_origin_mps2);
-  if (faults_.nan) set(roll, std::numeric_limits<double>::quiet_NaN());
-  return frame;
-}
-
-std::uint32_t MruDevice::system_time_ms(LabTime t_measured) {
-  if (faults_.freeze_time) return last_system_time_ms_;
-  const Nanoseconds elapsed = t_measured - *t_first_;
-  const Nanoseconds drift{
-      std::llround(static_cast<double>(elapsed.count()) * config_.clock_drift_ppm * 1e-6)};
-  const auto elapsed_ms =
-      std::chrono::floor<std::chrono::milliseconds>(elapsed + drift + clock_jump_).count();
-  last_system_time_ms_ = static_cast<std::uint32_t>(config_.system_time_start_ms + elapsed_ms);
-  return last_system_time_ms_;
-}
-
 void MruDevice::step(LabTime now) {
-  const auto earlier = [](const Waiting& a, const Waiting& b) {
-    return a.t_due != b.t_due ? a.t_due < b.t_due : a.order < b.order;
-  };
-  while (!waiting_.empty()) {
-    const auto next = std::min_element(waiting_.begin(), waiting_.end(), earlier);
-    if (next->t_due > now) return;
-    const Status status = out_.send(config_.to, Bytes{next->bytes.data(), next->size});
+  while (!waiting_.empty() && waiting_.front().t_due <= now) {
+    const Waiting& next = waiting_.front();
+    const Status status = out_.send(config_.to, Bytes{next.bytes.data(), next.size});
     ++(status ? sent_ : send_faults_);
-    waiting_.erase(next);
+    waiting_.erase(waiting_.begin());
   }
 }
 
 std::optional<LabTime> MruDevice::next_send() const noexcept {
-  std::optional<LabTime> next;
-  for (const Waiting& waiting : waiting_) next = next ? std::min(*next, waiting.t_due) : waiting.t_due;
-  return next;
+  return waiting_.empty() ? std::nullopt : std::optional{waiting_.front().t_due};
+}
+
+bool MruDevice::can_have(std::string_view fault) const noexcept {
+  const Format format = config_.format;
+  if (fault == "wrong_token") return format == Format::mrubin;
+  if (fault == "unstable") return format != Format::em1000 && format != Format::prdid;
+  if (fault == "reduced") {
+    return has_utc(format) || format == Format::em3000 || format == Format::psxn;
+  }
+  if (fault == "freeze_time") {
+    return has_utc(format) ||
+           (format == Format::mrubin && config_.layout.variables.index_of(Variable::system_time));
+  }
+  if (fault == "bad_checksum") {
+    return format == Format::mrubin || format == Format::bin23 || is_text(format);
+  }
+  return true;
 }
 
 Status MruDevice::set_fault(std::string_view name, bool active, double value) {
+  if (active && !can_have(name)) {
+    return Fault{Reason::refused,
+                 "the unit's format has nothing that could fail in this way: it lacks the time, status, "
+                 "token or checksum"};
+  }
+  if (common_.set(name, active, value)) return Done{};
   if (name == "silent") {
     faults_.silent = active;
   } else if (name == "unstable") {
     faults_.unstable = active;
-  } else if (name == "truncate") {
-    faults_.truncate_bytes = active ? bytes_or_one(value, kMaxDatagram) : 0;
-  } else if (name == "oversize") {
-    faults_.oversize_bytes = active ? bytes_or_one(value, kMaxExtraBytes) : 0;
-  } else if (name == "corrupt") {
-    faults_.corrupt_share = active ? value_or(value, 1.0) : 0.0;
-  } else if (name == "repeat") {
-    faults_.repeat = active;
+  } else if (name == "reduced") {
+    faults_.reduced = active;
   } else if (name == "freeze_time") {
     faults_.freeze_time = active;
   } else if (name == "nan") {
     faults_.nan = active;
   } else if (name == "wrong_token") {
     faults_.wrong_token = active;
-  } else if (name == "loss") {
-    faults_.loss_share = active ? value_or(value, 0.1) : 0.0;
-  } else if (name == "late") {
-    faults_.late_s = active ? value_or(value, 0.05) : 0.0;
-  } else if (name == "reorder") {
-    faults_.reorder = active;
+  } else if (name == "bad_checksum") {
+    faults_.bad_checksum = active;
+  } else if (name == "oversize") {
+    const double bytes = std::clamp(value, 1.0, static_cast<double>(kMaxExtraBytes));
+    faults_.oversize_bytes = active ? static_cast<std::size_t>(bytes) : 0;
   } else if (name == "restart") {
     if (active) t_first_.reset();
   } else {
-    return Fault{
-        Reason::refused,
-        "unknown fault; a motion reference unit knows: silent unstable truncate oversize corrupt repeat "
-        "freeze_time nan wrong_token loss late reorder restart"};
+    return Fault{Reason::refused,
+                 "unknown fault; a motion reference unit knows: off stuck garbage wrong slow delayed "
+                 "intermittent silent unstable reduced freeze_time nan wrong_token bad_checksum oversize "
+                 "restart"};
   }
   return Done{};
 }

@@ -14,7 +14,8 @@
 #include "drivers/core/random.hpp"
 #include "drivers/core/result.hpp"
 #include "drivers/core/time.hpp"
-#include "drivers/mru/mru_wire.hpp"
+#include "drivers/mru/mru_wire_formats.hpp"
+#include "simulators/faults/common_faults.hpp"
 
 namespace motionlab::mru {
 
@@ -33,14 +34,14 @@ struct Reading {
 };
 
 struct DeviceConfig {
-  Endpoint to{};    ///< where the datagrams go
-  Layout layout{};  ///< variables and token; its limits are not used
-  ChecksumRule checksum_rule = ChecksumRule::ones_complement;
-  double period_s = 0.005;  ///< how often `measure` is called; for faults that count in periods
+  Endpoint to{};  ///< where the datagrams go
+  Format format = Format::mrubin;
+  Layout layout{};  ///< variables and token of MRUBIN; its limits are not used
+  ChecksumRule checksum_rule = ChecksumRule::ones_complement;  ///< of MRUBIN
   double output_latency_s =
       0.005;                     ///< from measurement to departure (assumption; not published by the maker)
   double output_jitter_s = 0.0;  ///< added, uniform in [0, jitter)
-  double settling_s = 0.0;       ///< after the first measurement the header says `Q` for so long
+  double settling_s = 0.0;       ///< after the first measurement the unit says for so long that it settles
   std::uint32_t system_time_start_ms = 0;  ///< SystemTime of the first measurement
   double clock_drift_ppm = 0.0;            ///< how much faster than laboratory time the unit's clock runs
   std::uint64_t seed = 1;
@@ -50,8 +51,9 @@ struct DeviceConfig {
 /// A simulated unit. `measure` is called whenever the world has sampled a reading, `step` about every
 /// millisecond.
 ///
-/// SystemTime is the time since the first measurement on the unit's own (drifting) clock, cut to whole
-/// milliseconds and sent modulo 2^32. Nothing leaves before the first measurement.
+/// The unit's own clock drifts. SystemTime (MRUBIN) is the time since the first measurement on it, cut to
+/// whole milliseconds and sent modulo 2^32; the formats with UTC begin at laboratory time. Nothing leaves
+/// before the first measurement.
 class MruDevice {
  public:
   MruDevice(DeviceConfig config, DatagramOut& out);
@@ -64,13 +66,13 @@ class MruDevice {
   /// When the next datagram is due; nothing when none waits.
   [[nodiscard]] std::optional<LabTime> next_send() const noexcept;
 
-  /// Switches a fault on or off. `value` where the fault takes one, 0 for its default:
-  ///   silent · unstable (header Q) · truncate (bytes cut off, 1) · oversize (bytes added, 1) · corrupt (one
-  ///   bit flipped, in this share of the datagrams, 1) · repeat (each is sent twice) · freeze_time
-  ///   (SystemTime stands) · nan (roll is NaN) · wrong_token · loss (share that is lost, 0.1) · late (seconds
-  ///   added, 0.05) · reorder (every second one leaves 1.5 periods later) · restart (once, on switching on:
-  ///   SystemTime and settling begin anew)
-  /// @returns refused, with the list of names, for a name that is not known.
+  /// Switches a fault on or off. Besides the common ones:
+  ///   silent (its output alone; the clock runs on) · unstable (it says that it settles, or that its attitude
+  ///   is invalid) · reduced (it says so) · freeze_time (its time stands) · nan (roll is no number, or as
+  ///   near to that as the format comes) · wrong_token · bad_checksum · oversize (bytes added, `value` or 1)
+  ///   · restart (once, on switching on: SystemTime and settling begin anew)
+  /// @returns refused: with the list of names for one that is not known; with the reason when the format has
+  ///          no status, time, token or checksum that could be false
   Status set_fault(std::string_view name, bool active, double value = 0.0);
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
@@ -78,31 +80,35 @@ class MruDevice {
   [[nodiscard]] std::uint64_t send_faults() const noexcept { return send_faults_; }
 
  private:
+  static constexpr std::size_t kMaxExtraBytes = 64;
+
   struct Faults {
-    bool silent = false, unstable = false, repeat = false, freeze_time = false, nan = false,
-         wrong_token = false, reorder = false;
-    std::size_t truncate_bytes = 0, oversize_bytes = 0;
-    double corrupt_share = 0.0, loss_share = 0.0, late_s = 0.0;
+    bool silent = false, unstable = false, reduced = false, freeze_time = false, nan = false,
+         wrong_token = false, bad_checksum = false;
+    std::size_t oversize_bytes = 0;
   };
   struct Waiting {
     LabTime t_due{};
-    std::uint64_t order = 0;
     std::size_t size = 0;
-    std::array<std::uint8_t, kMaxDatagram + 64> bytes{};
+    std::array<std::uint8_t, kMaxDatagram + kMaxExtraBytes> bytes{};
   };
 
-  [[nodiscard]] Frame frame_of(const Reading& reading, LabTime t_measured);
-  [[nodiscard]] std::uint32_t system_time_ms(LabTime t_measured);
+  [[nodiscard]] Motion motion_of(const Reading& reading, LabTime t_measured);
+  [[nodiscard]] Nanoseconds unit_time(LabTime t_measured);
+  [[nodiscard]] bool can_have(std::string_view fault) const noexcept;
+  void spoil(Waiting& waiting);
   void enqueue(const Waiting& waiting);
 
   DeviceConfig config_;
   DatagramOut& out_;
-  Random random_;
+  Random jitter_, garbage_;
+  faults::CommonFaults common_;
   Faults faults_;
   std::vector<Waiting> waiting_;
   std::optional<LabTime> t_first_;
-  std::uint32_t last_system_time_ms_ = 0;
   Nanoseconds clock_jump_{0};
+  std::optional<Reading> stuck_at_;
+  Nanoseconds t_unit_{0};
   std::uint64_t measured_ = 0;
   std::uint64_t sent_ = 0;
   std::uint64_t send_faults_ = 0;

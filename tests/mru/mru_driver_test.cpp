@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "drivers/core/random.hpp"
-#include "tests/mru/mru_frames.hpp"
+#include "drivers/mru/mru_wire_bin23.hpp"
+#include "tests/mru/mru_golden.hpp"
 
 namespace motionlab::mru {
 namespace {
@@ -262,6 +263,83 @@ TEST_F(MruDriverTest, RefusesABadChecksumOnlyWhenEnforced) {
   ASSERT_EQ(samples_.size(), 1u);
   EXPECT_TRUE(samples_[0].checksum_suspect);
   EXPECT_EQ(counting.checksum().mismatches(), 1u);
+}
+
+TEST(ChecksumJudge, JudgesAFormatWithOneRuleFromTheFirstDatagram) {
+  ChecksumJudge counting{{}};
+  EXPECT_EQ(counting.judge(false), ChecksumJudge::Verdict::suspect);
+  EXPECT_EQ(counting.judge(true), ChecksumJudge::Verdict::good);
+  EXPECT_EQ(counting.mismatches(), 1u);
+  ChecksumJudge enforcing{{.policy = ChecksumPolicy::enforce}};
+  EXPECT_EQ(enforcing.judge(false), ChecksumJudge::Verdict::refuse);
+  ChecksumJudge ignoring{{.policy = ChecksumPolicy::ignore}};
+  EXPECT_EQ(ignoring.judge(false), ChecksumJudge::Verdict::good);
+}
+
+/// A driver for the formats with UTC, fed with constructed datagrams.
+class UtcDriver : public ::testing::Test {
+ protected:
+  /// BIN23 says so many tenths of a millisecond after the golden datagram's time.
+  void receive(std::int64_t tenths_of_ms, LabTime t) {
+    bin23::Frame frame = bin23::decode(kBin23Frame).value();
+    const std::int64_t total = frame.utc_tenths_of_ms + tenths_of_ms;
+    frame.utc_s += static_cast<std::int32_t>(total / 10'000);
+    frame.utc_tenths_of_ms = static_cast<std::uint16_t>(total % 10'000);
+    std::array<std::uint8_t, bin23::kSize> room{};
+    dut_.on_datagram(bin23::encode(frame, room).value(), kUnit, t);
+  }
+  static DriverConfig utc_config() {
+    DriverConfig c;
+    c.format = Format::bin23;
+    return c;
+  }
+
+  std::vector<topic::Mru> samples_;
+  MruDriver dut_{utc_config(), [this](const topic::Mru& sample) { samples_.push_back(sample); }};
+};
+
+TEST_F(UtcDriver, KeepsWhatIsFinerThanAMillisecond) {
+  receive(0, kStart);
+  receive(53, kStart + 5300us);
+  ASSERT_EQ(samples_.size(), 2u);
+  EXPECT_EQ(samples_[1].t_measured_ns - samples_[0].t_measured_ns, 5'300'000);
+}
+
+TEST_F(UtcDriver, RunsThroughTheWrapOfItsMilliseconds) {
+  // 1700000000250 ms is 3487918330 beyond a multiple of 2^32; the next one is 807048966 ms away.
+  constexpr std::int64_t kToWrap_tenths = 8'070'489'660;
+  for (int i = -100; i < 100; ++i) receive(kToWrap_tenths + 50 * i, kStart + (i + 100) * 5ms);
+  EXPECT_EQ(samples_.size(), 200u);
+  EXPECT_EQ(dut_.health().rejected_total(), 0u);
+  EXPECT_EQ(dut_.health().reconnects(), 0u);
+  EXPECT_EQ(dut_.health().lost(), 0u);
+}
+
+TEST_F(UtcDriver, CountsRepetitionReorderingGapAndStep) {
+  receive(0, kStart);
+  receive(0, kStart + 1ms);
+  EXPECT_EQ(dut_.health().rejected(Reason::duplicate), 1u);
+  receive(200, kStart + 20ms);
+  EXPECT_EQ(dut_.health().lost(), 3u);
+  receive(150, kStart + 21ms);
+  EXPECT_EQ(dut_.health().rejected(Reason::out_of_order), 1u);
+  receive(36'000'000, kStart + 25ms);
+  EXPECT_EQ(dut_.health().reconnects(), 1u) << "an hour ahead: the unit's clock was set";
+  EXPECT_EQ(samples_.back().t_measured_ns, to_ns(kStart + 20ms));
+}
+
+TEST(Stillness, SaysStuckOnlyAfterItsLimitAndNoLongerThanItLasts) {
+  Stillness dut{500ms};
+  Motion motion;
+  motion.euler_heading_mru_rad = {0.1, 0.2, 0.3};
+  for (LabTime t = kStart; t <= kStart + 500ms; t += 5ms) EXPECT_FALSE(dut.stuck(motion, t));
+  EXPECT_TRUE(dut.stuck(motion, kStart + 505ms));
+  motion.sensor_temperature_degc = 40;
+  EXPECT_TRUE(dut.stuck(motion, kStart + 510ms)) << "the temperature is no motion";
+  motion.euler_heading_mru_rad[0] = std::nextafter(0.1, 1.0);
+  EXPECT_FALSE(dut.stuck(motion, kStart + 515ms));
+  Stillness never{0ms};
+  for (LabTime t = kStart; t < kStart + 10s; t += 100ms) EXPECT_FALSE(never.stuck(motion, t));
 }
 
 }  // namespace

@@ -121,7 +121,11 @@ lockstep::Config configure(const LabRun& run) {
   config.lab.set_platform_tracked(tracked);
   config.gateway.set_platform_tracked(tracked);
   if (run.differences == "off") config.lab.use_belief_as_world();
-  if (run.sensors == "ideal") config.lab.use_perfect_sensors();
+  if (run.sensors == "ideal") {
+    config.lab.use_perfect_sensors();
+    // Without noise a sensor at rest repeats itself.
+    for (auto& mru : config.gateway.mrus) mru.driver.stuck_after_s = 0.0;
+  }
   for (const auto& text : run.faults) config.faults.push_back(lab::PlannedFault::parse(text));
   config.timing = run.timing;
   return config;
