@@ -20,6 +20,10 @@
 
 namespace motionlab::integration {
 
+/// Where the programs are.
+extern const char* const kGatewayProgram;
+extern const char* const kSimulatorProgram;
+
 /// Timing is judged on the virtual clock; here the machine may stall.
 inline constexpr auto kPatience = std::chrono::seconds{40};
 
@@ -138,7 +142,7 @@ class Processes : public testing::Test {
   }
 
   [[nodiscard]] std::vector<std::string> gateway_command() const {
-    return {MOTIONLAB_GATEWAY,
+    return {kGatewayProgram,
             "--config",
             config_file("lab.toml"),
             "--overlay",
@@ -150,7 +154,7 @@ class Processes : public testing::Test {
     return std::make_unique<Child>(gateway_command(), folder_ / "gateway.log");
   }
   [[nodiscard]] std::unique_ptr<Child> start_simulator(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> command{MOTIONLAB_SIM, "--config", config_file("world.toml"), "--overlay",
+    std::vector<std::string> command{kSimulatorProgram, "--config", config_file("world.toml"), "--overlay",
                                      (folder_ / "world.toml").string()};
     command.insert(command.end(), more.begin(), more.end());
     return std::make_unique<Child>(command, folder_ / "sim.log");

@@ -7,6 +7,10 @@
 #include "tests/integration/process_bench.hpp"
 
 namespace motionlab::integration {
+
+const char* const kGatewayProgram = MOTIONLAB_GATEWAY;
+const char* const kSimulatorProgram = MOTIONLAB_SIM;
+
 namespace {
 
 using testing::AnyOf;
