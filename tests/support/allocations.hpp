@@ -1,14 +1,14 @@
 /// @file  Counts what this thread takes from the heap. Include in exactly one source file of a program: it
-/// replaces operator new.
+/// replaces operator new. The others include allocation_count.hpp.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
 #include <new>
 
-namespace motionlab::test {
+#include "tests/support/allocation_count.hpp"
 
-inline thread_local std::size_t allocations = 0;
+namespace motionlab::test {
 
 inline void* counted(std::size_t size) {
   ++allocations;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "tests/support/allocations.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace motionlab::controller {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/allocations.hpp"
+#include "tests/support/allocation_count.hpp"
 #include "tests/unit/estimator/laboratory.hpp"
 
 namespace motionlab::estimator {
