@@ -8,6 +8,8 @@
 namespace motionlab::controller {
 namespace {
 
+/// Time constant of the filter that differentiates the reference's acceleration.
+constexpr double kJerkFilter = 0.1;
 /// How fast the law's own speed dies out when its share is taken back.
 constexpr double kLetGo = 1.0;
 
@@ -51,6 +53,7 @@ void LoadLaw::start(const Vector3d& p_WT, const Vector3d& v_WT, double tool_heig
   a_.setZero();
   v_riding_.setZero();
   integral_.setZero();
+  a_reference_.reset();
   tool_height_m_ = tool_height_m;
 }
 
@@ -58,10 +61,17 @@ void LoadLaw::step(double dt, const Inputs& in) {
   const Gain K = gain(in.wire_length_m);
   const math::PointMotion& r = in.reference;
   const Vector3d error = in.p_WL - r.p;
+  // How far and how fast the tool goes ahead of the load.
+  if (!a_reference_) a_reference_ = r.a;
+  const Vector3d jerk = (r.a - *a_reference_) / kJerkFilter;
+  *a_reference_ += dt * jerk;
+  const double lead = in.wire_length_m / config_.gravity_mps2;
+  const Vector3d ahead = lead * *a_reference_, ahead_rate = lead * jerk;
   Vector3d a;
   for (int k = 0; k < 2; ++k) {
     Eigen::Matrix<double, 5, 1> x;
-    x << p_[k] - r.p[k], v_[k] - r.v[k], in.p_WL[k] - p_[k], in.v_WL[k] - v_[k], integral_[k];
+    x << p_[k] - r.p[k] - ahead[k], v_[k] - r.v[k] - ahead_rate[k], in.p_WL[k] - p_[k] + ahead[k],
+        in.v_WL[k] - v_[k] + ahead_rate[k], integral_[k];
     a[k] = in.share * (r.a[k] - K.dot(x.transpose())) - (1 - in.share) * v_[k] / kLetGo;
   }
   const double w = config_.vertical_omega_radps;

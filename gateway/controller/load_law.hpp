@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "gateway/math/moving_base.hpp"
 
@@ -26,6 +27,9 @@ struct LoadLawConfig {
 /// Per horizontal axis a linear quadratic regulator acts on tool position and speed, on the load's offset
 /// from the tool and its rate, and on the integral of the load's error. The offset is taken from the software
 /// tool point, not from the real one: a calibration error is then a constant that the integral removes.
+///
+/// A load that shall be accelerated hangs behind its tool: the regulator brings the tool to r + L/g r̈, and
+/// the load with it to r. The jerk that this needs comes from a differentiating filter (0.1 s).
 class LoadLaw {
  public:
   using Vector3d = Eigen::Vector3d;
@@ -71,6 +75,7 @@ class LoadLaw {
   Vector3d v_ = Vector3d::Zero();
   Vector3d a_ = Vector3d::Zero();
   Eigen::Vector2d integral_ = Eigen::Vector2d::Zero();
+  std::optional<Vector3d> a_reference_;   ///< of the reference, filtered
   Vector3d v_riding_ = Vector3d::Zero();  ///< what the tool does with the ship, horizontal
   double tool_height_m_ = 0;
 };

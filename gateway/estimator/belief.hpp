@@ -88,6 +88,7 @@ struct SystematicDoubt {
 struct Belief {
   Calibration calibration;
   ShipBelief ship;
+  ShipBelief second_ship{.translation_sd_m = 0.1};  ///< the smaller platform
   MruBelief mru;
   CameraBelief camera;
   LoadBelief load;

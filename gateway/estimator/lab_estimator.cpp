@@ -70,7 +70,7 @@ LabEstimator::LabEstimator(const Belief& belief)
     : belief_(belief),
       mount_{belief.calibration.X_WN, belief.calibration.X_BM, belief.calibration.p_MO,
              belief.calibration.mru_order},
-      second_(belief.calibration.second, belief.ship, belief.mru, belief.load.gravity_mps2),
+      second_(belief.calibration.second, belief.second_ship, belief.mru, belief.load.gravity_mps2),
       axis_model_(belief.ship.period_s, belief.ship.damping),
       R_WD_(level_frame(belief.calibration.X_WN.R)) {
   begin();

@@ -10,6 +10,8 @@ namespace {
 constexpr Nanoseconds kLongestGap = 500ms;
 constexpr Nanoseconds kAheadTolerance = 10ms;
 constexpr double kLongestStep = 0.01;
+/// Slower velocities are bias and tilt of the mounting, not waves; and what has been integrated leaks away.
+constexpr double kSlow_s = 20.0, kLeak_s = 8.0;
 /// No reading of any laboratory is larger, in SI units.
 constexpr double kLargest = 1e3;
 
@@ -45,6 +47,7 @@ void SecondShip::begin(LabTime t) {
   set_sd(ShipStates::kRateBias, 3, belief_.rate_bias_sd_radps);
   set_sd(ShipStates::kTiltError, 2, belief_.tilt_error_sd_rad);
   set_sd(ShipStates::kYawError, 1, belief_.yaw_start_sd_rad);
+  slow_v_ = place_ = Eigen::Vector3d::Zero();
   t_ = t;
   heard_since_ = t;
 }
@@ -63,6 +66,7 @@ void SecondShip::step(LabTime t, const std::optional<topic::Mru>& mru) {
       for (double left = seconds(measured - t_); left > 0; left -= kLongestStep) {
         predict(std::min(left, kLongestStep));
       }
+      integrate(seconds(measured - t_));
       t_ = measured;
       constexpr double kGateSigma = 8.0;
       const ShipView ship(filter_.x.data(), mount_.X_WN.p, R_WD_);
@@ -101,6 +105,12 @@ void SecondShip::predict(double dt) {
   filter_.P(ShipStates::kYawError, ShipStates::kYawError) += walk * walk * dt;
 }
 
+void SecondShip::integrate(double dt) {
+  const Eigen::Vector3d v = ShipView(filter_.x.data(), mount_.X_WN.p, R_WD_).triple(1, 0);
+  slow_v_ += dt / kSlow_s * (v - slow_v_);
+  place_ += dt * (v - slow_v_ - place_ / kLeak_s);
+}
+
 math::BodyMotion SecondShip::motion() const {
   Filter::Vector ahead = filter_.x;
   const double dt = std::clamp(seconds(now_ - t_), 0.0, 0.1);
@@ -108,7 +118,10 @@ math::BodyMotion SecondShip::motion() const {
     const int a = ShipStates::axis(i);
     ahead.segment<4>(a) = axis_model_.propagate(filter_.x.segment<4>(a), dt);
   }
-  return ShipView(ahead.data(), mount_.X_WN.p, R_WD_).motion();
+  math::BodyMotion motion = ShipView(ahead.data(), mount_.X_WN.p, R_WD_).motion();
+  motion.v_WB -= slow_v_;
+  motion.X_WB.p = mount_.X_WN.p + place_ + dt * motion.v_WB;
+  return motion;
 }
 
 Eigen::Vector3d SecondShip::p_sd_m() const {

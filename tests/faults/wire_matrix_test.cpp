@@ -79,6 +79,12 @@ class Bench {
       listen();
     }
   }
+  /// The driver lets an arm that ignored its commands go again once somebody says hold, as the gateway does.
+  void hold_arm() {
+    arm_follows_ = false;
+    run(200ms);
+    arm_follows_ = true;
+  }
   /// The winch's latch is opened as the gateway does after `reset`: enable low, reset edge, enable.
   void reset_winch() {
     winch_enable_ = false;
@@ -119,7 +125,7 @@ class Bench {
     topic::ArmCommand arm;
     arm.device = "arm";
     arm.t_created_ns = to_ns(now());
-    arm.follow = true;
+    arm.follow = arm_follows_;
     arm.qd_wanted_radps[0] = kArmSpeed_radps;
     arm_out_.publish(arm);
     topic::WinchCommand winch;
@@ -196,6 +202,7 @@ class Bench {
   bus::Subscription<topic::Bodies> bodies_;
   bus::Subscription<topic::ArmState> arm_;
   bus::Subscription<topic::WinchState> winch_;
+  bool arm_follows_ = true;
   bool winch_enable_ = false, winch_reset_ = false;
   double arm_speed_max_ = 0;
   Quality mru_quality_, bodies_quality_, arm_quality_, winch_quality_;
@@ -311,6 +318,7 @@ TEST_P(WireMatrix, IsCountedMarkedAnsweredAndForgotten) {
   const Cell& cell = GetParam();
   Bench bench;
   bench.run(2s);
+  bench.hold_arm();
   bench.reset_winch();
   bench.run(4s);  // the rule of the MRU's checksum is learned from 1000 datagrams
   const topic::Health before = bench.health(cell.device);
@@ -363,6 +371,7 @@ TEST_P(WireMatrix, IsCountedMarkedAnsweredAndForgotten) {
   // Recovery: without a trace.
   ASSERT_TRUE(bench.fault(cell.device, cell.fault, false));
   bench.run(4s);
+  bench.hold_arm();
   bench.reset_winch();
   bench.run(1s);
   const topic::Health then = bench.health(cell.device);

@@ -61,7 +61,8 @@ class JudgedLine : public Line {
     while (now_s() < end_s - 1e-9) {
       step();
       const auto now = snapshots_.at(this->now());
-      estimate_ = estimator_.step({now.t, now.mru, now.load, now.platform, now.arm, now.winch});
+      estimate_ =
+          estimator_.step({now.t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
       if (now_s() >= from_s) compare(sum);
     }
     for (std::size_t i = 0; i < estimator::kReadings; ++i) {

@@ -13,8 +13,8 @@ namespace {
 using Eigen::Vector3d;
 
 struct Follower {
-  explicit Follower(const lockstep::Config& config)
-      : config(config), line(config), references(line.lockstep().bus().advertise<topic::Reference>()) {}
+  explicit Follower(const lockstep::Config& given)
+      : config(given), line(given), references(line.lockstep().bus().advertise<topic::Reference>()) {}
 
   void ask(const Vector3d& p, const Vector3d& v = Vector3d::Zero(),
            topic::ReferenceFrame frame = topic::ReferenceFrame::world) {

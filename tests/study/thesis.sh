@@ -38,7 +38,7 @@ done
 
 refuses "choose one of: thesis-pendulum, thesis-load-1" --world thesis
 refuses "choose one of: none, integral" --world thesis --scenario thesis-motion-5 --controller damper
-refuses "choose one of: none, prefilter, integral, damper" --world thesis --scenario thesis-load-1 --controller ours
+refuses "choose one of: none, prefilter, integral, damper" --world thesis --scenario thesis-pendulum --controller ours
 refuses "--fault does not go with --world thesis" --world thesis --scenario thesis-load-1 --fault mru1:silent@1
 refuses "it is one of --world thesis" --scenario thesis-motion-5
 refuses "choose one of: ours, integral, none" --controller prefilter

@@ -48,7 +48,7 @@ void list() {
          "estimators   ours\n"
          "references   hold         where lab.toml says (default)\n"
          "             step         0.15 m in x and y, 0.2 m down, at 30, 50, 70 s, back at 90 s\n"
-         "             sine         0.12, 0.12, 0.1 m at 0.05, 0.07, 0.04 Hz from 30 s, told every 10 ms\n"
+         "             sine         0.1, 0.08, 0.1 m at 0.05, 0.07, 0.04 Hz from 30 s, told every 10 ms\n"
          "             follow       a circle of 0.12 m in 30 s from 30 s, told every 100 ms\n\n"
       << thesis::describe()
       << "\ntables       thesis       every printed number of the thesis beside ours\n"

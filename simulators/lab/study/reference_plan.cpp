@@ -34,7 +34,7 @@ ReferencePlan::Place ReferencePlan::at(LabTime t) const {
   if (kind_ == Kind::step) place.p_WL += stepped(s);
   if (moving < 0 || kind_ == Kind::hold || kind_ == Kind::step) return place;
   if (kind_ == Kind::sine) {
-    const Vector3d size(0.12, 0.12, 0.10), omega = kTurn * Vector3d(0.05, 0.07, 0.04);
+    const Vector3d size(0.10, 0.08, 0.10), omega = kTurn * Vector3d(0.05, 0.07, 0.04);
     for (int i = 0; i < 3; ++i) {
       place.p_WL[i] += size[i] * std::sin(omega[i] * moving);
       place.v_WL[i] = size[i] * omega[i] * std::cos(omega[i] * moving);

@@ -14,7 +14,7 @@ namespace motionlab::study {
 /// configuration says, in world; then
 ///  - hold: still there;
 ///  - step: 0.15 m on in x at 30 s, in y at 50 s, 0.2 m down at 70 s, all back at 90 s; each told once;
-///  - sine: 0.12, 0.12 and 0.10 m at 0.05, 0.07 and 0.04 Hz, told with its velocity every 10 ms;
+///  - sine: 0.10, 0.08 and 0.10 m at 0.05, 0.07 and 0.04 Hz, told with its velocity every 10 ms;
 ///  - follow: a circle of 0.12 m in 30 s, told with its velocity every 100 ms.
 /// From 30 s on the second ship carries the place, if it is asked to.
 class ReferencePlan {

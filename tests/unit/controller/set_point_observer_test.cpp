@@ -18,7 +18,7 @@ LabTime at_us(std::int64_t us) {
 
 /// A robot computer that gets a velocity every 5 ms and an observer that is told the same.
 struct Bench {
-  SetPointObserver dut{ServoBelief{}, 10.0};
+  SetPointObserver dut{ServoBelief{}, 10.0, {.memory_s = 0}};  // learns nothing: the observer alone
   Joint joint;
   std::int64_t us = 0;
   bool follow = true;

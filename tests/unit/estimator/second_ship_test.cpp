@@ -57,7 +57,7 @@ TEST(SecondShip, KnowsRollAndPitchWellAndItsPlaceAtWaveFrequencies) {
     ++count;
   });
   EXPECT_LT(std::sqrt(tilt / count), 1e-3) << "rad";
-  EXPECT_LT(std::sqrt(place / count), 0.06) << "m, of 0.21 m rms";
+  EXPECT_LT(std::sqrt(place / count), 0.09) << "m, of 0.21 m rms, at 0.1 Hz slower than in a sea";
   // And it says so.
   EXPECT_GT(b.dut.p_sd_m().minCoeff(), 0.005);
   EXPECT_LT(b.dut.p_sd_m().maxCoeff(), 0.25);
