@@ -180,6 +180,7 @@ Result<WrappingCounter::Step> ComauDriver::judge_counter(std::uint32_t frame_cou
                                                          LabTime t_received) noexcept {
   using Step = WrappingCounter::Step;
   Step step = frames_.classify(frame_counter);
+  if (step == Step::first) return step;
   if (step == Step::repeated) {
     ++unchanged_answers_;
     return Fault{Reason::duplicate,
@@ -193,9 +194,9 @@ Result<WrappingCounter::Step> ComauDriver::judge_counter(std::uint32_t frame_cou
     const double ahead_s =
         kCycleSeconds * static_cast<double>(frames_.unwrapped(frame_counter) - frames_.total()) -
         seconds(t_received - *health_.t_received());
+    if (ahead_s <= config_.ahead_unasked_s) return step;
     if (ahead_s > config_.restart_gap_s) step = Step::restarted;
   }
-  if (step != Step::restarted) return step;
   // One answer with another counter may be anything; two that follow from each other are a program.
   const auto frames = jump_ ? static_cast<std::int32_t>(frame_counter - jump_->frame_counter) : 0;
   const bool goes_on =
@@ -203,7 +204,7 @@ Result<WrappingCounter::Step> ComauDriver::judge_counter(std::uint32_t frame_cou
   if (goes_on) return step;
   jump_ = Jump{frame_counter, t_received};
   return Fault{Reason::unexpected,
-               "the frame counter has jumped: a restart, if the next answer goes on from there"};
+               "the frame counter has jumped: believed if the next answer goes on from there"};
 }
 
 Nanoseconds ComauDriver::passed_since_last(const Answer& answer, WrappingCounter::Step step,

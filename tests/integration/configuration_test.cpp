@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -14,9 +15,18 @@ namespace {
 using service::load_gateway_config;
 using testing::HasSubstr;
 
+/// A folder of this test's own: tests run side by side.
+std::filesystem::path overlay_folder() {
+  std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::replace(name.begin(), name.end(), '/', '_');
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("overlay_" + name);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
 /// What start-up says about lab.toml, loopback.toml and this overlay; empty when it has nothing to say.
 std::string complaint(const std::string& overlay) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "overlay.toml";
+  const std::filesystem::path file = overlay_folder() / "overlay.toml";
   std::ofstream(file) << overlay;
   try {
     (void)load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml"), file});
