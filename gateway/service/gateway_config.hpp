@@ -75,8 +75,8 @@ struct GatewayConfig {
   controller::LoadKeeperConfig keeper;
   controller::GuardLimits limits;
   std::array<double, 3> p_world_load_reference_m{};
-  /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas are
-  /// checked against them before they are run.
+  /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas
+  /// are checked against them before they are run.
   std::string platform_limits = "plc";
   std::string effective;           ///< the merged text
   std::vector<std::string> notes;  ///< what a reader of the log should know about it
