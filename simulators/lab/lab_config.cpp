@@ -301,6 +301,10 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   read_arm_device(devices.table_or_empty(kArm), c);
   read_winch_device(devices.table_or_empty(kWinch), c);
 
+  for (const std::string& text : devices.texts_or("faults", {})) {
+    c.faults.push_back(PlannedFault::parse(text));
+  }
+
   const TomlTable bus = root.table_or_empty("bus");
   c.bus_domain = static_cast<int>(bus.integer_or("domain", c.bus_domain, {0, 232}));
   c.bus_interfaces = bus.texts_or("interfaces", c.bus_interfaces);

@@ -11,6 +11,7 @@
 #include "drivers/core/endpoint.hpp"
 #include "drivers/core/toml_reader.hpp"
 #include "simulators/comau/comau_device.hpp"
+#include "simulators/lab/fault_plan.hpp"
 #include "simulators/mru/mru_device.hpp"
 #include "simulators/plant/platform_limits.hpp"
 #include "simulators/plant/sea.hpp"
@@ -63,6 +64,8 @@ struct LabConfig {
   comau::DeviceConfig arm;
   Endpoint winch_listen;
   winch::DeviceConfig winch;
+
+  std::vector<PlannedFault> faults;  ///< of every run, before those of the command line
 
   int bus_domain = 42;
   std::vector<std::string> bus_interfaces{"127.0.0.1"};

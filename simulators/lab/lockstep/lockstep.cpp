@@ -21,7 +21,9 @@ Lockstep::Lockstep(const Config& config)
                config.timing ? std::function<std::int64_t()>(monotonic_ns) : std::function<std::int64_t()>()),
       requests_(bus_.advertise<topic::ModeRequest>()),
       period_(from_seconds(config.gateway.control_period_s)) {
-  for (const auto& plan : config.faults) {
+  std::vector<lab::PlannedFault> plans = config.lab.faults;
+  plans.insert(plans.end(), config.faults.begin(), config.faults.end());
+  for (const auto& plan : plans) {
     // A name that does not exist is found now, not in the middle of a run.
     if (const Status known = lab_.set_fault(plan.device, plan.fault, false); !known) {
       throw StartupError("fault " + plan.device + ":" + plan.fault + ": " + std::string(known.fault().text));

@@ -70,16 +70,23 @@ lab::LabConfig configure(const Options& options, LabTime now) {
   return config;
 }
 
-/// The faults of the command line, each switched on and off once.
+/// Those of the world's file, then those of the command line.
+std::vector<lab::PlannedFault> planned_faults(const lab::LabConfig& config, const Options& options) {
+  std::vector<lab::PlannedFault> faults = config.faults;
+  for (const std::string& text : options.faults) faults.push_back(lab::PlannedFault::parse(text));
+  return faults;
+}
+
+/// The planned faults, each switched on and off once.
 class FaultSchedule {
  public:
-  FaultSchedule(const std::vector<std::string>& texts, lab::SimulatedLab& lab) : lab_(lab) {
-    for (const std::string& text : texts) {
-      entries_.push_back({lab::PlannedFault::parse(text)});
-      const lab::PlannedFault& planned = entries_.back().planned;
+  FaultSchedule(const std::vector<lab::PlannedFault>& faults, lab::SimulatedLab& lab) : lab_(lab) {
+    for (const lab::PlannedFault& planned : faults) {
+      entries_.push_back({planned});
       // Ending a fault that never began changes nothing, but a name that is not known is refused.
       if (const Status known = lab_.set_fault(planned.device, planned.fault, false); !known) {
-        throw StartupError("--fault \"" + text + "\": " + std::string(known.fault().text));
+        throw StartupError("fault " + planned.device + ":" + planned.fault + ": " +
+                           std::string(known.fault().text));
       }
     }
   }
@@ -160,7 +167,7 @@ class Simulator {
         born_(clock_.now()),
         start_(born_ + from_seconds(config_.scenario.delay_s)),
         lab_(config_, network_, born_),
-        schedule_(options.faults, lab_),
+        schedule_(planned_faults(config_, options), lab_),
         timer_(io_),
         signals_(io_, SIGINT, SIGTERM) {
     if (options.seconds > 0) end_ = start_ + from_seconds(options.seconds);

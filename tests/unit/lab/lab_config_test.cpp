@@ -99,6 +99,15 @@ TEST_F(LabConfigFile, RefusesValuesOutOfRange) {
   EXPECT_THAT(error_of("[devices.mru1]\nto = \"somewhere\"\n"), HasSubstr("to"));
 }
 
+TEST_F(LabConfigFile, PlansFaultsForEveryRun) {
+  const LabConfig c = load("[devices]\nfaults = [\"mru1:silent@12\", \"qualisys:loss=0.3@5..8\"]\n");
+  ASSERT_EQ(c.faults.size(), 2U);
+  EXPECT_EQ(c.faults[0].device, "mru1");
+  EXPECT_EQ(c.faults[1].fault, "loss");
+  EXPECT_EQ(c.faults[1].until_s, 8);
+  EXPECT_THAT(error_of("[devices]\nfaults = [\"mru1\"]\n"), HasSubstr("mru1"));
+}
+
 TEST_F(LabConfigFile, LoadsTheWinchsProjectAndTheRoutesItKnows) {
   const LabConfig c = load("[devices.winch]\nproject = \"legacy\"\nroutes = [\"192.168.90.70.1.1\"]\n");
   EXPECT_EQ(c.winch.project, winch::PlcProject::legacy);
