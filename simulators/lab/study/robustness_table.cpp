@@ -97,7 +97,8 @@ std::string robustness_table(const LabRun& base) {
       runs.push_back(std::move(run));
     }
     const auto outcomes = run_labs(runs);
-    out << std::defaultfloat << block.title() << ", seed " << base.seed << ", " << base.seconds << " s\n"
+    out << std::defaultfloat << std::setprecision(6) << block.title() << ", seed " << base.seed << ", "
+        << base.seconds << " s\n"
         << "                           swing/deg        load/mm                 speed  limited  worst\n"
         << "                             rms     max     rms     max  at end      %  samples  mode      "
            "verdict\n";

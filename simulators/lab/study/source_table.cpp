@@ -85,8 +85,8 @@ std::string source_table(const LabRun& base) {
       runs.push_back(std::move(alone));
     }
     const auto outcomes = run_labs(runs);
-    out << std::defaultfloat << block.title() << ", seed " << base.seed << ", " << base.seconds
-        << " s: rms of swing/deg and load/mm\n"
+    out << std::defaultfloat << std::setprecision(6) << block.title() << ", seed " << base.seed << ", "
+        << base.seconds << " s: rms of swing/deg and load/mm\n"
         << "                           without it           alone\n"
         << std::fixed;
     const auto name = [&out](std::string_view text) {
