@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "gateway/estimator/sane.hpp"
+
 namespace motionlab::estimator {
 namespace {
 
@@ -33,27 +35,18 @@ constexpr Nanoseconds kLongestGap = 2s;
 /// Stamps further from the present than this are wrong, not early or late.
 constexpr Nanoseconds kAheadTolerance = 10ms;
 constexpr Nanoseconds kOldest = 10s;
-/// No reading of any laboratory is larger, in SI units.
-constexpr double kLargest = 1e3;
 /// A wire outside of these is no pendulum.
 constexpr double kShortestWire = 0.1, kLongestWire = 100.0;
 /// So many sightings of the load refused in a row say that the state is wrong, not they.
 constexpr int kRefusalsToReplace = 40;
 
-/// Whether every value is finite and of a possible size.
-template <std::size_t N>
-bool sane(const std::array<double, N>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= kLargest; });
-}
+using estimator::sane;  // beside those that follow
 bool sane(const topic::ArmState& arm) {
   return sane(arm.q_rad) && sane(arm.qd_radps);
 }
 bool sane(const topic::WinchState& winch) {
   return winch.wire_length_m >= kShortestWire && winch.wire_length_m <= kLongestWire &&
          std::abs(winch.wire_speed_mps) <= kLargest;
-}
-bool sane(const topic::Mru& mru) {
-  return sane(mru.euler_heading_mru_rad) && sane(mru.omega_mru_radps) && sane(mru.a_heading_origin_mps2);
 }
 /// Of a point only the place counts; the pose of a lost body means nothing.
 bool sane_point(const topic::Bodies& body) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gateway/estimator/sane.hpp"
+
 namespace motionlab::estimator {
 namespace {
 
@@ -12,13 +14,6 @@ constexpr Nanoseconds kAheadTolerance = 10ms;
 constexpr double kLongestStep = 0.01;
 /// Slower velocities are bias and tilt of the mounting, not waves; and what has been integrated leaks away.
 constexpr double kSlow_s = 20.0, kLeak_s = 8.0;
-/// No reading of any laboratory is larger, in SI units.
-constexpr double kLargest = 1e3;
-
-template <std::size_t N>
-bool sane(const std::array<double, N>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= kLargest; });
-}
 
 }  // namespace
 
@@ -58,9 +53,8 @@ void SecondShip::step(LabTime t, const std::optional<topic::Mru>& mru) {
   if (mru && mru->sequence_number != seen_) {
     seen_ = mru->sequence_number;
     const LabTime measured = from_ns(mru->t_measured_ns);
-    const bool usable = mru->stable && sane(mru->euler_heading_mru_rad) && sane(mru->omega_mru_radps) &&
-                        sane(mru->a_heading_origin_mps2) && measured <= t + kAheadTolerance &&
-                        t - measured <= kLongestGap;
+    const bool usable =
+        mru->stable && sane(*mru) && measured <= t + kAheadTolerance && t - measured <= kLongestGap;
     if (usable && !heard_since_) begin(measured);
     if (usable && measured >= t_) {
       for (double left = seconds(measured - t_); left > 0; left -= kLongestStep) {
