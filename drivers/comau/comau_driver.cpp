@@ -166,6 +166,7 @@ void ComauDriver::on_datagram(Bytes datagram, Endpoint from, LabTime t_received)
   state_.t_received_ns = to_ns(t_received);
   state_.frame_counter = answer->frame_counter;
   state_.following = last_sent_ && follows(*last_sent_);
+  state_.ignoring = ignored_;
   state_.q_rad = answer->q_rad;
   state_.qd_radps = answer->qd_radps;
   if (on_state_) on_state_(state_);
@@ -243,6 +244,11 @@ LabTime ComauDriver::place_in_time(const Answer& answer, WrappingCounter::Step s
 
 void ComauDriver::watch_response(const Answer& answer, Nanoseconds passed) noexcept {
   if (!last_sent_ || !follows(*last_sent_)) {
+    response_.reset();
+    return;
+  }
+  // Over a gap nobody knows what the robot computer got, nor whether it braked meanwhile.
+  if (seconds(passed) > config_.answer_gap_s) {
     response_.reset();
     return;
   }

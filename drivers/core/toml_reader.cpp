@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -184,6 +185,29 @@ void merge(toml::table& base, toml::table&& over) {
   }
 }
 
+/// Keys are written bare; one that needs quotes is known to nobody, and toml++ may write it as something that
+/// it cannot read again.
+bool is_bare(std::string_view key) {
+  return !key.empty() && std::ranges::all_of(key, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+void refuse_quoted_keys(const toml::node& node, const std::string& file) {
+  if (const toml::array* const array = node.as_array()) {
+    for (const toml::node& element : *array) refuse_quoted_keys(element, file);
+  }
+  const toml::table* const table = node.as_table();
+  if (!table) return;
+  for (const auto& [key, value] : *table) {
+    if (!is_bare(key.str())) {
+      throw StartupError(to_text(key.source(), file) +
+                         ": a key has other characters than letters, digits, _ and -; correct or remove it");
+    }
+    refuse_quoted_keys(value, file);
+  }
+}
+
 toml::table parse(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
@@ -191,7 +215,9 @@ toml::table parse(const std::filesystem::path& file) {
                        std::filesystem::current_path(error).string() + ")");
   }
   try {
-    return toml::parse_file(file.string());
+    toml::table table = toml::parse_file(file.string());
+    refuse_quoted_keys(table, file.string());
+    return table;
   } catch (const toml::parse_error& problem) {
     throw StartupError(to_text(problem.source(), file.string()) + ": " + std::string(problem.description()) +
                        "; correct this line");
@@ -200,7 +226,9 @@ toml::table parse(const std::filesystem::path& file) {
 
 toml::table parse(const TomlText& text) {
   try {
-    return toml::parse(text.text, text.source);
+    toml::table table = toml::parse(text.text, text.source);
+    refuse_quoted_keys(table, text.source);
+    return table;
   } catch (const toml::parse_error& problem) {
     throw StartupError(to_text(problem.source(), text.source) + ": " + std::string(problem.description()) +
                        "; correct this text");

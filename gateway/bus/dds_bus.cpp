@@ -72,8 +72,10 @@ class Link {
 template <class T>
 class Out final : public Link, private fast::DataWriterListener {
  public:
-  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters)
-      : counters_{counters}, samples_{local.subscribe<T>(kPaced ? nullptr : wakeup)} {}
+  /// @param arrivals  what comes in by this bus and does not go out again; may be null
+  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters,
+      const Publisher<T>* arrivals = nullptr)
+      : counters_{counters}, samples_{local.subscribe<T>(kPaced ? nullptr : wakeup, arrivals)} {}
 
   bool create(fast::Publisher& publisher, fast::Topic& topic, const TopicShape& shape) {
     writer_ = publisher.create_datawriter(&topic, writer_qos(shape), this);
@@ -148,6 +150,7 @@ class In final : public Link, private fast::DataReaderListener {
     for (std::size_t n = 0; n < kTakenAtOnce; ++n) {
       if (reader_.load()->take_next_sample(&carried_, &info) != ReturnCode_t::RETCODE_OK) return count;
       if (!info.valid_data) continue;  // a writer has left
+      if (is_ours(info)) continue;
       if (carried_.refusal != Refusal::none) {
         AtomicCounters::add(counters_.refused[static_cast<std::size_t>(carried_.refusal)]);
       } else if (!publisher_.publish(carried_.sample)) {
@@ -161,7 +164,14 @@ class In final : public Link, private fast::DataReaderListener {
     return count;
   }
 
+  [[nodiscard]] const Publisher<T>& arrivals() const noexcept { return publisher_; }
+
  private:
+  /// Whether it comes from a writer of this participant, of a topic that goes both ways.
+  [[nodiscard]] bool is_ours(const fast::SampleInfo& info) const {
+    return info.sample_identity.writer_guid().guidPrefix == reader_.load()->guid().guidPrefix;
+  }
+
   void on_data_available(fast::DataReader*) override {
     arrived_.store(true, std::memory_order_release);
     wakeup_->ring();
@@ -270,25 +280,36 @@ struct DdsBus::Impl {
     fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
   }
 
-  /// Creates the endpoint of one direction; `Create` makes it below the right partition's publisher or
-  /// subscriber.
   template <class T, class Direction>
   void carry() {
-    using Traits = TopicTraits<T>;
-    const std::string name{Traits::name};
-    if (link_of(Traits::name)) {
+    const std::string name{TopicTraits<T>::name};
+    if (link_of(name)) {
       throw StartupError{
           name + " is carried already: a topic goes out or comes in, once, or its samples would circle"};
     }
+    add<T>(std::make_unique<Direction>(local, wakeup, counters));
+  }
+
+  template <class T>
+  void carry_both() {
+    carry<T, In<T>>();
+    const auto& in = static_cast<const In<T>&>(*link_of(TopicTraits<T>::name));
+    add<T>(std::make_unique<Out<T>>(local, wakeup, counters, &in.arrivals()));
+  }
+
+  /// Creates the endpoint of a link below the right partition's publisher or subscriber.
+  template <class T, class Direction>
+  void add(std::unique_ptr<Direction> link) {
+    using Traits = TopicTraits<T>;
+    const std::string name{Traits::name};
     if (Traits::partition == kTruthPartition && !config.join_truth) {
       throw StartupError{name + " is of the simulated truth: only simulator and viewers set join_truth"};
     }
     fast::TypeSupport type{new TypeSupport<T>{}};
-    fast::Topic* topic = nullptr;
-    if (type.register_type(participant) == ReturnCode_t::RETCODE_OK) {
+    auto* topic = dynamic_cast<fast::Topic*>(participant->lookup_topicdescription(name));
+    if (!topic && type.register_type(participant) == ReturnCode_t::RETCODE_OK) {
       topic = participant->create_topic(name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
     }
-    auto link = std::make_unique<Direction>(local, wakeup, counters);
     const TopicShape shape{Traits::qos, Traits::period_s};
     Direction& direction = *link;
     links.emplace_back(Traits::name, std::move(link));  // kept also on failure: listeners outlive endpoints
@@ -353,9 +374,15 @@ void DdsBus::in() {
 }
 
 template <class T>
+void DdsBus::both() {
+  impl_->carry_both<T>();
+}
+
+template <class T>
 std::size_t DdsBus::matched() const {
-  const Link* const link = impl_->link_of(TopicTraits<T>::name);
-  return link ? link->matched() : 0;
+  std::size_t count = 0;
+  for (const auto& [name, link] : impl_->links) count += name == TopicTraits<T>::name ? link->matched() : 0;
+  return count;
 }
 
 std::size_t DdsBus::run_once(Nanoseconds timeout) {
@@ -406,9 +433,10 @@ DdsCounters DdsBus::counters() const {
   return counters;
 }
 
-#define MOTIONLAB_CARRY(Type)               \
-  template void DdsBus::out<topic::Type>(); \
-  template void DdsBus::in<topic::Type>();  \
+#define MOTIONLAB_CARRY(Type)                \
+  template void DdsBus::out<topic::Type>();  \
+  template void DdsBus::in<topic::Type>();   \
+  template void DdsBus::both<topic::Type>(); \
   template std::size_t DdsBus::matched<topic::Type>() const;
 MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_CARRY)
 #undef MOTIONLAB_CARRY

@@ -67,6 +67,11 @@ class DdsBus {
   template <class T>
   void in();
 
+  /// Both: what is published here by others than this bus goes out, what arrives from other participants is
+  /// published here. Before `start`. @throws StartupError  as above
+  template <class T>
+  void both();
+
   /// Waits until there is something to do, at most `timeout`, and does it.
   /// @returns how many samples were written or taken
   std::size_t run_once(Nanoseconds timeout);
@@ -75,8 +80,9 @@ class DdsBus {
   /// Ends the thread. Samples that were published before are written first.
   void stop();
 
-  /// Remote endpoints that match ours for T now. A volatile sample (command, request) that is written before
-  /// the reader has matched us as well may be lost: repeat a request until its effect is seen.
+  /// Endpoints that match ours for T now, of a topic that goes both ways our own among them. A volatile
+  /// sample (command, request) that is written before the reader has matched us as well may be lost: repeat a
+  /// request until its effect is seen.
   template <class T>
   [[nodiscard]] std::size_t matched() const;
 

@@ -70,6 +70,7 @@ class Topic {
     BoundedQueue<T> queue{kQueueDepth};
     std::atomic<std::uint64_t> lost{0};
     std::atomic<bool> open{true};
+    PublisherId except = kNobody;
     std::shared_ptr<Wakeup> wakeup;
   };
 
@@ -85,7 +86,7 @@ class Topic {
     const std::size_t count = inbox_count_.load(std::memory_order_acquire);
     for (std::size_t i = 0; i < count; ++i) {
       Inbox& inbox = *inboxes_[i];
-      if (!inbox.open.load(std::memory_order_relaxed)) continue;
+      if (!inbox.open.load(std::memory_order_relaxed) || inbox.except == publisher) continue;
       if (!inbox.queue.push(sample)) inbox.lost.fetch_add(1, std::memory_order_relaxed);
       if (inbox.wakeup) inbox.wakeup->ring();
     }
@@ -105,7 +106,15 @@ class Topic {
     return &instances_[count];
   }
 
-  Inbox& subscribe(std::shared_ptr<Wakeup> wakeup) {
+  Instance* find(const InstanceName<T>& name) noexcept {
+    const std::size_t count = instance_count_.load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (instances_[i].name == name) return &instances_[i];
+    }
+    return nullptr;
+  }
+
+  Inbox& subscribe(std::shared_ptr<Wakeup> wakeup, PublisherId except) {
     const std::lock_guard lock{growing_};
     const std::size_t count = inbox_count_.load(std::memory_order_relaxed);
     if (count == kMaxSubscriptions) {
@@ -113,6 +122,7 @@ class Topic {
                          " subscriptions, which is all there is room for: subscribe once, at start-up"};
     }
     inboxes_[count] = std::make_unique<Inbox>();
+    inboxes_[count]->except = except;
     inboxes_[count]->wakeup = std::move(wakeup);
     inbox_count_.store(count + 1, std::memory_order_release);
     return *inboxes_[count];
@@ -134,14 +144,6 @@ class Topic {
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
  private:
-  Instance* find(const InstanceName<T>& name) noexcept {
-    const std::size_t count = instance_count_.load(std::memory_order_acquire);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (instances_[i].name == name) return &instances_[i];
-    }
-    return nullptr;
-  }
-
   static bool claim(Instance& instance, PublisherId publisher) noexcept {
     PublisherId owner = instance.owner.load(std::memory_order_acquire);
     return owner == publisher || (owner == kNobody && instance.owner.compare_exchange_strong(
@@ -259,9 +261,22 @@ class LocalBus {
   }
 
   /// @param wakeup  rung on every sample; may be null
+  /// @param except  whose samples are left out; may be null
   template <class T>
-  [[nodiscard]] Subscription<T> subscribe(std::shared_ptr<Wakeup> wakeup = nullptr) {
-    return Subscription<T>{of<T>().subscribe(std::move(wakeup))};
+  [[nodiscard]] Subscription<T> subscribe(std::shared_ptr<Wakeup> wakeup = nullptr,
+                                          const Publisher<T>* except = nullptr) {
+    return Subscription<T>{of<T>().subscribe(std::move(wakeup), except ? except->id_ : detail::kNobody)};
+  }
+
+  /// The newest sample of an instance, which need not be known before; nothing when there is none. Wait-free.
+  template <class T, class... Names>
+  [[nodiscard]] std::optional<T> newest(const Names&... names) const noexcept {
+    static_assert(!kEverySampleCounts<T>, "of this topic every sample counts: subscribe to it");
+    static_assert(sizeof...(Names) == detail::key_count<T>(), "name every key field of the topic, in order");
+    const auto* const instance = of<T>().find(detail::InstanceName<T>{Text<32>{names}...});
+    if (!instance) return std::nullopt;
+    const auto sample = instance->latest.read();
+    return sample ? std::optional<T>{sample->value} : std::nullopt;
   }
 
   /// Calls f(sample) with the newest sample of every instance that has one.

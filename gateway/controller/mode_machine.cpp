@@ -14,7 +14,7 @@ void ModeMachine::request(const topic::ModeRequest& request, LabTime t) {
       break;
     case ModeAction::engage:
       // An owner without a name owns nothing.
-      if (!request.requester.empty()) engage_asked_by_ = request.requester;
+      if (!request.requester.empty()) applicant_ = Applicant{request.requester, request.external_controller};
       break;
     case ModeAction::reset:
       reset_asked_ = true;
@@ -48,7 +48,9 @@ struct ModeMachine::Transition {
 
 void ModeMachine::step(const ModeFacts& facts) {
   const bool settle = settle_asked_, reset = reset_asked_;
-  const bool engage = engage_asked_by_.has_value() && !settle;
+  const bool engage = applicant_.has_value() && !settle;
+  if (lease_ && facts.commanded) lease_->renew(*facts.commanded);
+  const bool lapsed = state_ == State::engaged && !(lease_ && lease_->valid(facts.t));
   const std::string_view unsafe_code = facts.unsafe ? facts.unsafe->code.view() : "";
   const std::string_view unsafe_text = facts.unsafe ? facts.unsafe->text.view() : "";
   // What would stop an engaged gateway also keeps it from engaging.
@@ -67,6 +69,8 @@ void ModeMachine::step(const ModeFacts& facts) {
       Transition{State::ready, State::settled, hindered, hindrance_code, hindrance},
       Transition{State::ready, State::engaged, engage, "", "engaged on request"},
       Transition{State::engaged, State::fault, unsafe, unsafe_code, unsafe_text},
+      Transition{State::engaged, State::fault, lapsed, "lease_lost",
+                 "the owner's commands have ceased; see whether that controller runs, then reset"},
       Transition{State::engaged, State::stopping, settle, "", "settling on request"},
       Transition{State::stopping, State::fault, unsafe, unsafe_code, unsafe_text},
       Transition{State::stopping, State::settled, facts.at_rest, "", "at rest; nothing is commanded"},
@@ -77,18 +81,21 @@ void ModeMachine::step(const ModeFacts& facts) {
   };
   for (const Transition& row : table) {
     if (row.from != state_ || !row.applies) continue;
-    if (row.to == State::engaged) topic_.owner = *engage_asked_by_;
+    if (row.to == State::engaged) lease_ = leases_.grant(applicant_->name, applicant_->external, facts.t);
     enter(row.to, facts.t, row.code, row.reason);
     break;
   }
   settle_asked_ = reset_asked_ = false;
-  engage_asked_by_.reset();
+  applicant_.reset();
+  topic_.t_lease_expires_ns = lease_ ? to_ns(lease_->expires()) : 0;
 }
 
 void ModeMachine::enter(State state, LabTime t, std::string_view code, std::string_view reason) {
   if (state != state_) topic_.t_changed_ns = to_ns(t);
   state_ = state;
-  if (state != State::engaged && state != State::stopping) topic_.owner = {};
+  if (state != State::engaged && state != State::stopping) lease_.reset();
+  topic_.owner = lease_ ? lease_->owner() : Text<32>{};
+  topic_.external_controller = lease_ && lease_->external();
   ++topic_.sequence_number;
   topic_.state = state;
   topic_.authority = authority_;

@@ -7,6 +7,7 @@
 
 #include "drivers/core/text.hpp"
 #include "drivers/core/time.hpp"
+#include "gateway/controller/lease.hpp"
 #include "idl/mode.hpp"
 #include "idl/mode_request.hpp"
 
@@ -26,10 +27,12 @@ struct ModeFacts {
   std::optional<Obstacle> not_ready;  ///< why engaging is refused now
   std::optional<Obstacle> unsafe;     ///< why an engaged gateway must come to rest now
   bool at_rest = true;                ///< the guard's last command asks nothing to move
+  std::optional<LabTime> commanded;   ///< when the owner's controller last gave a wish
 };
 
 /// The state machine as one table (README.md of this folder draws it). Nothing in it resumes by itself:
 /// engaged is entered by a request alone, and a fault is left by a reset alone, at rest, with its cause gone.
+/// It holds the lease of whoever is engaged, renews it with each wish of his, and latches when it expires.
 class ModeMachine {
  public:
   using State = topic::ModeState;
@@ -43,6 +46,15 @@ class ModeMachine {
 
   /// Advances by the facts. Call once per control step, after the requests.
   void step(const ModeFacts& facts);
+
+  /// Who asks to be engaged in this cycle.
+  struct Applicant {
+    Text<32> name;
+    bool external = false;  ///< will command himself
+  };
+  [[nodiscard]] const std::optional<Applicant>& applicant() const { return applicant_; }
+  /// The owner's, while engaged or stopping.
+  [[nodiscard]] const std::optional<Lease>& lease() const { return lease_; }
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] topic::Authority authority() const { return authority_; }
@@ -62,8 +74,10 @@ class ModeMachine {
   State state_ = State::off;
   topic::Authority authority_;
   bool settle_asked_ = false;
-  std::optional<Text<32>> engage_asked_by_;
+  std::optional<Applicant> applicant_;
   bool reset_asked_ = false;
+  LeaseDesk leases_;
+  std::optional<Lease> lease_;
   topic::Mode topic_;
 };
 

@@ -28,6 +28,8 @@ struct Calibration {
   math::CraneArmGeometry arm;
   math::EulerOrder mru_order = math::EulerOrder::zyx;
   MruMount second;  ///< of the second ship's unit
+
+  [[nodiscard]] MruMount mount() const { return {X_WN, X_BM, p_MO, mru_order}; }
 };
 
 /// How the ship moves when nothing is known: two equal resonators in cascade per coordinate, driven by white

@@ -61,8 +61,7 @@ bool sane_pose(const topic::Bodies& body) {
 
 LabEstimator::LabEstimator(const Belief& belief)
     : belief_(belief),
-      mount_{belief.calibration.X_WN, belief.calibration.X_BM, belief.calibration.p_MO,
-             belief.calibration.mru_order},
+      mount_(belief.calibration.mount()),
       second_(belief.calibration.second, belief.second_ship, belief.mru, belief.load.gravity_mps2),
       axis_model_(belief.ship.period_s, belief.ship.damping),
       R_WD_(level_frame(belief.calibration.X_WN.R)) {

@@ -5,23 +5,17 @@
 
 #include "gateway/controller/load_keeper.hpp"
 #include "gateway/controller/thesis_keeper.hpp"
+#include "gateway/estimator/ship_from_mru.hpp"
 
 namespace motionlab::service {
 namespace {
 
-using controller::Obstacle;
 using topic::ModeState;
 
-/// The estimate must know the tool this well before the gateway may be engaged.
-constexpr double kToolSdToEngage = 0.05;
-/// The arm must stand this still before the gateway may be engaged.
-constexpr double kRestToEngage = 0.01;
 /// How long the compensation takes to come back after the load was found again.
 constexpr double kShareBack = 2.0;
 /// How long before a state that nobody changed is told again, so that its lease is seen to live.
 constexpr Nanoseconds kModeRepeat = 1s;
-/// How far ahead the owner's lease reaches; renewed with every step of the built-in controller.
-constexpr Nanoseconds kLease = 100ms;
 /// A reference that moves goes on moving for so long after it was last told.
 constexpr Nanoseconds kReferenceGoesOn = 250ms;
 /// No place of any laboratory is further from its origin.
@@ -51,6 +45,8 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       estimator_(config.belief),
       keeper_(keeper_of(config)),
       guard_(config.limits),
+      mount_(config.belief.calibration.mount()),
+      readiness_(config),
       modes_(config.authority),
       reference_{Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())},
       requests_(local.subscribe<topic::ModeRequest>()),
@@ -60,32 +56,36 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       publish_arm_(local.advertise<topic::ArmCommand>()),
       publish_winch_(local.advertise<topic::WinchCommand>()),
       publish_mode_(local.advertise<topic::Mode>()),
-      publish_event_(local.advertise<topic::Event>()) {}
+      publish_event_(local.advertise<topic::Event>()) {
+  // Nobody else may ever speak for the gateway: the first to publish an instance owns it.
+  Snapshot nothing;
+  command(nothing, {});
+}
+
+Text<32> ControlLoop::external_controller() const {
+  if (modes_.lease()) return modes_.lease()->external() ? modes_.lease()->owner() : Text<32>{};
+  return modes_.applicant() && modes_.applicant()->external ? modes_.applicant()->name : Text<32>{};
+}
 
 void ControlLoop::step(LabTime t) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
+  const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
+  stepped_ = t;
   take_requests(t);
-  const Snapshot now = snapshots_.at(t);
+  const Snapshot now = snapshots_.at(t, external_controller());
   const topic::Estimate estimate =
       estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
 
-  modes_.step(facts(now, estimate));
+  controller::ModeFacts facts = readiness_.judge({now, estimate, dt, reference_.on_second_ship, wish_missing_,
+                                                  modes_.applicant() && modes_.applicant()->external});
+  facts.at_rest = guard_.at_rest();
+  if (now.external_arm) commanded_ = std::min(t, from_ns(now.external_arm->t_created_ns));
+  facts.commanded = commanded_;
+  modes_.step(facts);
   coast(now);
 
-  const bool engaged = modes_.state() == ModeState::engaged;
-  std::optional<controller::Wish> wish;
-  if (estimate.valid && now.arm) {
-    const LabTime t_send = std::max(t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
-    wish = keeper_->step(
-        {t, std::min(t_send, t + 10ms), estimate, *now.arm, reference_at(t), horizontal_share_, engaged});
-  }
-  wish_missing_ = engaged && !wish;
-
-  const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
-  stepped_ = t;
-  const auto guarded = guard_.step({dt, modes_.may_move(), modes_.share_of_limits(), wish,
-                                    now.arm ? std::optional(now.arm->q_rad) : std::nullopt,
-                                    now.winch ? std::optional(now.winch->wire_length_m) : std::nullopt});
+  const auto wish = this->wish(now, estimate);
+  const auto guarded = guard(now, wish, dt);
   command(now, guarded);
   publish_estimate_.publish(estimate);
 
@@ -109,6 +109,48 @@ void ControlLoop::step(LabTime t) {
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
+}
+
+std::optional<controller::Wish> ControlLoop::wish(const Snapshot& now, const topic::Estimate& estimate) {
+  const bool engaged = modes_.state() == ModeState::engaged;
+  const bool external = modes_.lease() && modes_.lease()->external();
+  std::optional<controller::Wish> ours;
+  if (estimate.valid && now.arm) {
+    const LabTime t_send = std::max(now.t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
+    ours = keeper_->step({now.t, std::min(t_send, now.t + 10ms), estimate, *now.arm, reference_at(now.t),
+                          horizontal_share_, engaged && !external});
+  }
+  wish_missing_ = engaged && !external && !ours;
+  if (!external) {
+    if (ours) commanded_ = now.t;
+    return ours;
+  }
+  if (!now.external_arm) return std::nullopt;
+  controller::Wish theirs;
+  if (now.external_arm->follow) theirs.qd_radps = now.external_arm->qd_wanted_radps;
+  if (now.external_winch && now.t - from_ns(now.external_winch->t_created_ns) <= controller::kLeaseDuration)
+    theirs.wire_speed_mps = now.external_winch->wire_speed_wanted_mps;
+  return theirs;
+}
+
+controller::GuardedCommand ControlLoop::guard(const Snapshot& now,
+                                              const std::optional<controller::Wish>& wish, double dt_s) {
+  controller::Guard::Inputs in;
+  in.t = now.t;
+  in.dt_s = dt_s;
+  in.may_move = modes_.may_move();
+  in.lease = modes_.lease() ? &*modes_.lease() : nullptr;
+  in.authority = modes_.share_of_limits();
+  in.wish = wish;
+  if (now.arm) in.q_rad = now.arm->q_rad;
+  in.q_age_s = age_s(now.arm, now.t);
+  if (now.winch) {
+    in.wire_length_m = now.winch->wire_length_m;
+    if (std::isfinite(now.winch->motor_torque_nm)) in.motor_torque_nm = now.winch->motor_torque_nm;
+  }
+  in.wire_age_s = age_s(now.winch, now.t);
+  if (now.mru) in.X_WR = estimator::ship_from_mru(mount_, *now.mru) * config_.keeper.X_BR;
+  return guard_.step(in);
 }
 
 void ControlLoop::take_requests(LabTime t) {
@@ -135,77 +177,10 @@ controller::LoadReference ControlLoop::reference_at(LabTime t) const {
   return now;
 }
 
-controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estimate& estimate) {
-  controller::ModeFacts facts;
-  facts.t = now.t;
-  facts.links_up = now.mru && now.arm && now.winch;
-  facts.at_rest = guard_.at_rest();
-  if (now.load && now.load->tracked && fresh(now.load, now.t, config_.qualisys.rule.stale_after_s))
-    load_seen_ = now.t;
-  if (now.mru && now.mru->stable) mru_stable_ = now.t;
-
-  // What ends an engagement: the first that holds is told.
-  const auto unsafe = [&]() -> std::optional<Obstacle> {
-    const auto stale = [](const char* code, const char* text) { return Obstacle{code, text}; };
-    if (!fresh(now.mru, now.t, config_.mrus.front().rule.stale_after_s)) {
-      return stale("mru1_stale", "no fresh sample from mru1; check the unit and its cable, then reset");
-    }
-    if (!fresh(now.arm, now.t, config_.comau.rule.stale_after_s)) {
-      return stale("arm_stale",
-                   "no fresh answer from the robot computer; check that its program runs, then reset");
-    }
-    if (!fresh(now.winch, now.t, config_.winch.rule.stale_after_s)) {
-      return stale("winch_stale", "no fresh status from the winch controller; check the PLC, then reset");
-    }
-    if (now.winch->error)
-      return Obstacle{"winch_fault", "the winch drive reports a fault; clear it at the drive, then reset"};
-    // For as long as it may be silent: one datagram whose header was damaged says little.
-    if (!mru_stable_ || seconds(now.t - *mru_stable_) > config_.mrus.front().rule.stale_after_s)
-      return Obstacle{"mru1_unstable", "mru1 says that it is settling; wait until it is stable, then reset"};
-    if (!estimate.valid)
-      return Obstacle{"no_estimate", "there is no estimate; wait until the load is seen, then reset"};
-    if (!load_seen_ || seconds(now.t - *load_seen_) > config_.qualisys.rest_by_s) {
-      return Obstacle{"load_lost",
-                      "the cameras have not seen the load for too long; free the view, then reset"};
-    }
-    if (reference_.on_second_ship &&
-        !(estimate.second_valid && fresh(now.second_mru, now.t, config_.mrus.back().rule.stale_after_s))) {
-      return Obstacle{"mru2_stale",
-                      "the reference is on the second ship, whose unit is not heard or still settles; check "
-                      "mru2 or give a reference in world, then reset"};
-    }
-    if (wish_missing_)
-      return Obstacle{"out_of_reach",
-                      "the tool point is out of the arm's reach; move the reference, then reset"};
-    return std::nullopt;
-  };
-  facts.unsafe = unsafe();
-
-  // What keeps it from being engaged: all of that, and more.
-  facts.not_ready = facts.unsafe;
-  if (facts.not_ready) return facts;
-  const auto& sd = estimate.p_world_tool_sd_m;
-  const auto& qd = now.arm->qd_radps;
-  if (!estimate.load_tracked) {
-    facts.not_ready = Obstacle{"load_lost", "the cameras do not see the load; free the view"};
-  } else if (config_.belief.use_platform_body && !estimate.platform_tracked) {
-    facts.not_ready = Obstacle{"platform_lost",
-                               "the cameras do not see the body on the platform; free the view or set "
-                               "[control] platform = \"untracked\""};
-  } else if (std::any_of(sd.begin(), sd.end(), [](double s) { return s > kToolSdToEngage; })) {
-    facts.not_ready = Obstacle{"estimate_settling", "the estimate is still settling; wait a few seconds"};
-  } else if (std::any_of(qd.begin(), qd.end(), [](double v) { return std::abs(v) > kRestToEngage; })) {
-    facts.not_ready = Obstacle{"arm_moving", "the arm moves; wait until it rests"};
-  } else if (!now.winch->ready) {
-    facts.not_ready =
-        Obstacle{"winch_not_ready", "the winch drive is not ready; switch on its power and clear its faults"};
-  }
-  return facts;
-}
-
 void ControlLoop::coast(const Snapshot& now) {
   const auto& rule = config_.qualisys;
-  const double unseen = load_seen_ ? seconds(now.t - *load_seen_) : rule.rest_by_s;
+  const auto seen = readiness_.load_seen();
+  const double unseen = seen ? seconds(now.t - *seen) : rule.rest_by_s;
   const double wanted = std::clamp((rule.rest_by_s - unseen) / (rule.rest_by_s - rule.coast_s), 0.0, 1.0);
   // Given back slowly: the load may be found far from where it was lost.
   const double most = horizontal_share_ + config_.control_period_s / kShareBack;
@@ -217,6 +192,7 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
   const bool engaged = modes_.may_move();
   topic::ArmCommand arm;
   arm.device = config_.comau.driver.device;
+  arm.requester = kGatewayRequester;
   arm.sequence_number = steps_ + 1;
   arm.t_created_ns = to_ns(now.t);
   arm.follow = guarded.follow;
@@ -225,6 +201,7 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
 
   topic::WinchCommand winch;
   winch.device = config_.winch.driver.device;
+  winch.requester = kGatewayRequester;
   winch.sequence_number = steps_ + 1;
   winch.t_created_ns = to_ns(now.t);
   const bool moving = engaged || guarded.wire_speed_mps != 0;
@@ -240,15 +217,13 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
 }
 
 void ControlLoop::tell_mode(LabTime t) {
-  topic::Mode mode = modes_.topic();
+  const topic::Mode& mode = modes_.topic();
   const bool changed = mode.sequence_number != mode_told_;
   if (!changed && steps_ % static_cast<std::uint64_t>(seconds(kModeRepeat) / config_.control_period_s) != 0)
     return;
-  if (!mode.owner.empty()) mode.t_lease_expires_ns = to_ns(t + kLease);
   mode_told_ = mode.sequence_number;
   publish_mode_.publish(mode);
-  if (!changed || mode.state == state_told_) return;
-  state_told_ = mode.state;
+  if (!changed) return;
   topic::Event event;
   event.sequence_number = ++events_;
   event.t_ns = to_ns(t);

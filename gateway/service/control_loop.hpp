@@ -13,6 +13,7 @@
 #include "gateway/estimator/lab_estimator.hpp"
 #include "gateway/service/devices.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/readiness.hpp"
 #include "gateway/service/snapshot.hpp"
 
 namespace motionlab::service {
@@ -35,7 +36,12 @@ class ControlLoop {
   void take_requests(LabTime t);
   /// Where the load shall be now. A moving place goes on for a moment, then stands.
   [[nodiscard]] controller::LoadReference reference_at(LabTime t) const;
-  [[nodiscard]] controller::ModeFacts facts(const Snapshot& snapshot, const topic::Estimate& estimate);
+  /// Whose own commands are taken up: the external owner's, or of one who asks to be engaged.
+  [[nodiscard]] Text<32> external_controller() const;
+  [[nodiscard]] std::optional<controller::Wish> wish(const Snapshot& snapshot,
+                                                     const topic::Estimate& estimate);
+  [[nodiscard]] controller::GuardedCommand guard(const Snapshot& snapshot,
+                                                 const std::optional<controller::Wish>& wish, double dt_s);
   /// How much of the horizontal motion is compensated while nobody sees the load.
   void coast(const Snapshot& snapshot);
   void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
@@ -49,6 +55,8 @@ class ControlLoop {
   estimator::LabEstimator estimator_;
   std::unique_ptr<controller::Keeper> keeper_;
   controller::Guard guard_;
+  estimator::MruMount mount_;
+  Readiness readiness_;
   controller::ModeMachine modes_;
   controller::LoadReference reference_;
   std::optional<LabTime> reference_moved_;  ///< when a moving reference was last told
@@ -63,13 +71,11 @@ class ControlLoop {
   bus::Publisher<topic::Event> publish_event_;
 
   std::optional<LabTime> stepped_;
-  std::optional<LabTime> load_seen_;
-  std::optional<LabTime> mru_stable_;  ///< when the unit last called itself settled
+  std::optional<LabTime> commanded_;  ///< when whoever is engaged last gave a wish
   double horizontal_share_ = 1.0;
   bool wish_missing_ = false;
   std::uint64_t steps_ = 0;
   std::uint64_t mode_told_ = 0;
-  topic::ModeState state_told_ = topic::ModeState::off;
   std::uint64_t events_ = 0;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gateway/service/snapshot.hpp"
+
 namespace motionlab::service {
 namespace {
 
@@ -63,8 +65,8 @@ struct Devices::Impl {
         publish_arm(local.advertise<topic::ArmState>()),
         publish_winch(local.advertise<topic::WinchState>()),
         publish_health(local.advertise<topic::Health>()),
-        arm_commands(local.reader<topic::ArmCommand>(c.comau.driver.device)),
-        winch_commands(local.reader<topic::WinchCommand>(c.winch.driver.device)),
+        arm_commands(local.reader<topic::ArmCommand>(c.comau.driver.device, kGatewayRequester)),
+        winch_commands(local.reader<topic::WinchCommand>(c.winch.driver.device, kGatewayRequester)),
         comau_socket(network.datagram(c.comau.listen)),
         arm(
             c.comau.driver, *comau_socket, [this](const topic::ArmState& s) { publish_arm.publish(s); },

@@ -43,9 +43,9 @@ struct Gateway::Impl {
     dds.out<topic::Mru>();
     dds.out<topic::Bodies>();
     dds.out<topic::ArmState>();
-    dds.out<topic::ArmCommand>();
+    dds.both<topic::ArmCommand>();
     dds.out<topic::WinchState>();
-    dds.out<topic::WinchCommand>();
+    dds.both<topic::WinchCommand>();
     dds.out<topic::Estimate>();
     dds.out<topic::Control>();
     dds.out<topic::Mode>();

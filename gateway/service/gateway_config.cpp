@@ -67,7 +67,7 @@ mru::VariableList variable_list(const TomlTable& t) {
   return *list;
 }
 
-MruLink mru_link(const TomlTable& root, const std::string& name, bool required) {
+MruLink mru_link(const TomlTable& root, const std::string& name) {
   const TomlTable t = root.table(name);
   MruLink link;
   link.listen = t.endpoint("listen");
@@ -86,7 +86,7 @@ MruLink mru_link(const TomlTable& root, const std::string& name, bool required) 
                              std::optional{mru::ChecksumRule::ones_complement}};
   link.driver.checksum.rule = rules[t.choice_or("checksum_rule", 0, {"auto", "sum8", "ones_complement"})];
   link.driver.stuck_after_s = t.number_or("stuck_after_s", 0.0, {0.0, 60.0});
-  link.rule = {t.number("stale_after_s", kFreshness), required};
+  link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
   return link;
 }
 
@@ -108,7 +108,7 @@ QualisysLink qualisys_link(const TomlTable& root) {
   link.driver.udp_port = link.listen.port;
   link.driver.frame_period_s = t.number("period_s", kPeriod);
   link.driver.latency_s = t.number("latency_s", kLatency);
-  link.rule = {t.number("stale_after_s", kFreshness), false};
+  link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
   return link;
 }
 
@@ -134,7 +134,7 @@ ComauLink comau_link(const TomlTable& root) {
   link.driver.robot_computer = t.endpoint("robot_computer");
   link.driver.command_period_s = t.number("command_period_s", {0.001, 0.02});
   link.driver.latency_s = t.number("latency_s", kLatency);
-  link.rule = {t.number("stale_after_s", kFreshness), true};
+  link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
   link.driver.command_stale_after_s = link.rule.stale_after_s;
   link.driver.answer_stale_after_s = link.rule.stale_after_s;
   read_arm_limits(t, link.driver);
@@ -159,7 +159,7 @@ WinchLink winch_link(const TomlTable& root) {
   link.driver.legacy_commands = t.boolean("legacy_commands");
   link.driver.legacy_speed_max_mps = t.number("legacy_speed_max_mps", {0.0, 0.2});
   link.driver.legacy_travel_m = t.number("legacy_travel_m", {0.0, 10.0});
-  link.rule = {t.number("stale_after_s", kFreshness), true};
+  link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
   return link;
 }
 
@@ -176,13 +176,62 @@ controller::GuardLimits guard_limits(const TomlTable& root) {
   }
   limits.qd_max_radps = scaled(t.numbers<6>("qd_max_degps", {0.0, 230.0}), kDegree);
   limits.qdd_max_radps2 = t.numbers<6>("qdd_max_radps2", {0.0, 50.0});
+  limits.jerk_max_radps3 = t.number("jerk_max_radps3", {1.0, 1e5});
   limits.stop_deceleration_radps2 = t.number("stop_deceleration_radps2", {0.1, 10.0});
   limits.wire_min_m = t.number("wire_min_m", {0.0, 20.0});
   limits.wire_max_m = t.number("wire_max_m", {0.0, 20.0});
   if (limits.wire_min_m >= limits.wire_max_m) t.fail("wire_min_m", "it is not below wire_max_m");
   limits.wire_speed_max_mps = t.number("wire_speed_max_mps", {0.0, 2.378});
+  // Slower than the load falls, or the wire goes slack under a hand's push already.
   limits.wire_acceleration_max_mps2 = t.number("wire_acceleration_max_mps2", {0.01, 3.567});
+  limits.motor_torque_min_nm = t.number("motor_torque_min_nm", {-1000.0, 1000.0});
+  limits.motor_torque_max_nm = t.number("motor_torque_max_nm", {-1000.0, 1000.0});
+  if (limits.motor_torque_min_nm >= limits.motor_torque_max_nm)
+    t.fail("motor_torque_min_nm", "it is not below motor_torque_max_nm");
   return limits;
+}
+
+/// Needs the arm and where the second platform stands.
+controller::FenceLimits fence_limits(const TomlTable& root, const math::CraneArmGeometry& arm,
+                                     const Eigen::Vector3d& p_world_second_m) {
+  const TomlTable t = root.table("limits");
+  controller::FenceLimits fences;
+  constexpr Range place{-10.0, 10.0};
+  const auto low = t.numbers<3>("p_base_tool_min_m", place), high = t.numbers<3>("p_base_tool_max_m", place);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (low[i] >= high[i]) t.fail("p_base_tool_min_m", "a minimum is at or above its maximum");
+  }
+  fences.arm = arm;
+  fences.p_base_tool_min_m = Eigen::Map<const Eigen::Vector3d>(low.data());
+  fences.p_base_tool_max_m = Eigen::Map<const Eigen::Vector3d>(high.data());
+  fences.load_height_min_m = t.number("load_height_min_m", {0.0, 10.0});
+  fences.p_world_second_m = p_world_second_m;
+  fences.distance_to_second_min_m = t.number("distance_to_second_min_m", {0.0, 10.0});
+  return fences;
+}
+
+ModeRules mode_rules(const TomlTable& root) {
+  const TomlTable t = root.table("modes");
+  ModeRules rules;
+  const auto devices = [&t](std::string_view key) {
+    auto names = t.texts(key);
+    for (const auto& name : names) {
+      constexpr std::array known{"mru1", "mru2", "qualisys", "arm", "winch"};
+      if (std::ranges::find(known, name) == known.end())
+        t.fail(key, name + " is no device; write mru1, mru2, qualisys, arm or winch");
+    }
+    return names;
+  };
+  rules.engaged = devices("engaged");
+  rules.to_engage = devices("to_engage");
+  for (const char* const always : {"mru1", "arm", "winch"}) {
+    if (std::ranges::find(rules.engaged, always) == rules.engaged.end()) {
+      t.fail("engaged", std::string(always) + " is missing: without it there is no estimate to move by");
+    }
+  }
+  rules.cross_check_tilt_deg = t.number("cross_check_tilt_deg", {0.05, 20.0});
+  rules.cross_check_load_m = t.number("cross_check_load_m", {0.02, 2.0});
+  return rules;
 }
 
 math::CraneArmGeometry arm_geometry(const TomlTable& t) {
@@ -245,11 +294,22 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.bus.interface_whitelist = bus.texts("interfaces");
   config.bus.participant = bus.text("participant");
 
-  config.mrus = {mru_link(root, "mru1", true), mru_link(root, "mru2", false)};
+  config.mrus = {mru_link(root, "mru1"), mru_link(root, "mru2")};
   config.qualisys = qualisys_link(root);
   config.comau = comau_link(root);
   config.winch = winch_link(root);
   config.limits = guard_limits(root);
+  config.limits.posture_age_max_s =
+      std::max(config.comau.rule.stale_after_s, config.winch.rule.stale_after_s) + 0.05;
+  config.modes = mode_rules(root);
+  const auto required = [&config](const char* device) {
+    return std::ranges::find(config.modes.to_engage, device) != config.modes.to_engage.end();
+  };
+  config.mrus.front().rule.required = required("mru1");
+  config.mrus.back().rule.required = required("mru2");
+  config.qualisys.rule.required = required("qualisys");
+  config.comau.rule.required = required("arm");
+  config.winch.rule.required = required("winch");
   constexpr std::array platform_limits{"plc", "mechanical"};
   config.platform_limits = platform_limits[root.table("limits").choice("platform", {"plc", "mechanical"})];
   const bool watched = root.table("comau").choice("watchdog", {"none", "relay", "patched"}) != 0;
@@ -271,6 +331,7 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   const math::CraneArmGeometry geometry = arm_geometry(arm);
   config.belief = belief(root, geometry);
   config.keeper.arm = geometry;
+  config.limits.fences = fence_limits(root, geometry, config.belief.calibration.second.X_WN.p);
   config.keeper.X_BR = config.belief.calibration.X_BR;
   config.keeper.X_WN_second = config.belief.calibration.second.X_WN;
   config.keeper.servo = {arm.number("servo_omega_radps", {1.0, 200.0}), arm.number("servo_zeta", {0.1, 2.0}),

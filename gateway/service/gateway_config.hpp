@@ -62,6 +62,14 @@ enum class ControlLaw {
   integral,  ///< the thesis' integral controller (ThesisKeeper), to compare with
 };
 
+/// What has to be there before the gateway may be engaged, and while it is.
+struct ModeRules {
+  std::vector<std::string> to_engage;  ///< devices that must be fresh
+  std::vector<std::string> engaged;    ///< devices whose silence ends a motion at once
+  double cross_check_tilt_deg = 1.0;   ///< mru1 against the cameras' body on the platform
+  double cross_check_load_m = 0.4;     ///< the load seen against the tool's plumb line
+};
+
 struct GatewayConfig {
   double control_period_s = 0.001;
   topic::Authority authority = topic::Authority::full;
@@ -74,6 +82,7 @@ struct GatewayConfig {
   ControlLaw law = ControlLaw::ours;
   controller::LoadKeeperConfig keeper;
   controller::GuardLimits limits;
+  ModeRules modes;
   std::array<double, 3> p_world_load_reference_m{};
   /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas
   /// are checked against them before they are run.

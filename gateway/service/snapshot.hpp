@@ -18,6 +18,8 @@ struct Snapshot {
   std::optional<topic::ArmState> arm;
   std::optional<topic::WinchState> winch;
   std::optional<topic::Mru> second_mru;
+  std::optional<topic::ArmCommand> external_arm;  ///< what an external controller wants, if there is one
+  std::optional<topic::WinchCommand> external_winch;
 };
 
 /// How old a sample's measurement is at time t, in s; -1 before the first.
@@ -32,11 +34,15 @@ template <class Sample>
   return sample && 1e-9 * static_cast<double>(to_ns(t) - sample->t_received_ns) <= limit_s;
 }
 
+/// The gateway's own name among those who command.
+inline constexpr std::string_view kGatewayRequester = "motionlab-gateway";
+
 /// Takes snapshots from the bus. Wait-free; one thread.
 class Snapshots {
  public:
   Snapshots(const GatewayConfig& config, bus::LocalBus& local);
-  [[nodiscard]] Snapshot at(LabTime t);
+  /// @param controller  whose commands are taken up; empty: nobody's
+  [[nodiscard]] Snapshot at(LabTime t, const Text<32>& controller);
 
  private:
   /// Keeps the last sample for the moment in which a reader is overtaken by its writer.
@@ -56,6 +62,8 @@ class Snapshots {
   Source<topic::ArmState> arm_;
   Source<topic::WinchState> winch_;
   Source<topic::Mru> second_mru_;
+  const bus::LocalBus& local_;
+  Text<32> arm_name_, winch_name_;
 };
 
 }  // namespace motionlab::service

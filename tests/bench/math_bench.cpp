@@ -324,8 +324,18 @@ void control_step(Table& table, std::size_t calls) {
   limits.qdd_max_radps2.fill(3);
   limits.wire_min_m = 1.3;
   limits.wire_max_m = 2.7;
+  limits.fences = controller::FenceLimits{.arm = {0.350, 1.160, 0.250, 0.830, 2.2692},
+                                          .p_base_tool_min_m = {0.5, -2.5, -1.0},
+                                          .p_base_tool_max_m = {4.5, 2.5, 3.5},
+                                          .load_height_min_m = 0.5,
+                                          .p_world_second_m = {9, 9, 9},
+                                          .distance_to_second_min_m = 1.2};
   controller::Guard guard(limits);
+  controller::LeaseDesk desk;
+  const auto lease = desk.grant("bench", false, LabTime{});
   controller::Guard::Inputs asked;
+  asked.lease = &*lease;
+  asked.X_WR = math::RigidTransform{math::Matrix3d::Identity(), {0, 0, 3}};
   asked.dt_s = 1e-3;
   asked.may_move = true;
   asked.q_rad.emplace();

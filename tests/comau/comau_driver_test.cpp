@@ -576,6 +576,18 @@ TEST_F(ComauDriverTest, SaysWhenTheArmIsToldToMoveAndDoesNot) {
   EXPECT_EQ(sent_.back().command.qd_radps[0], 0.2F);
 }
 
+TEST_F(ComauDriverTest, SaysNothingOfHowTheArmMovesAcrossGapsBetweenAnswers) {
+  follow({0.2, 0, 0, 0, 0, 0});
+  measured_qd_ = {};
+  for (int i = 0; i < 10; ++i) {
+    run(50ms);
+    answering_ = false;
+    run(24ms);
+    answering_ = true;
+    EXPECT_FALSE(advice_has("told to move")) << i;
+  }
+}
+
 TEST_F(ComauDriverTest, SaysWhenTheArmMovesMoreSlowlyThanItIsTold) {
   follow({0.2, 0, 0, 0, 0, 0});
   run(300ms);

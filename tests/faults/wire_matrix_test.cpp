@@ -19,6 +19,7 @@
 #include "gateway/bus/local_bus.hpp"
 #include "gateway/service/devices.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/snapshot.hpp"
 #include "simulators/faults/wire_faults.hpp"
 #include "simulators/lab/simulated_lab.hpp"
 
@@ -124,12 +125,14 @@ class Bench {
   void command() {
     topic::ArmCommand arm;
     arm.device = "arm";
+    arm.requester = service::kGatewayRequester;
     arm.t_created_ns = to_ns(now());
     arm.follow = arm_follows_;
     arm.qd_wanted_radps[0] = kArmSpeed_radps;
     arm_out_.publish(arm);
     topic::WinchCommand winch;
     winch.device = "winch";
+    winch.requester = service::kGatewayRequester;
     winch.t_created_ns = to_ns(now());
     winch.mode = winch_enable_ ? topic::WinchCommandMode::velocity : topic::WinchCommandMode::hold;
     winch.enable = winch_enable_;

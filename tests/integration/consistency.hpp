@@ -60,7 +60,7 @@ class JudgedLine : public Line {
     ConsistencyOfRun sum;
     while (now_s() < end_s - 1e-9) {
       step();
-      const auto now = snapshots_.at(this->now());
+      const auto now = snapshots_.at(this->now(), "");
       estimate_ =
           estimator_.step({now.t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
       if (now_s() >= from_s) compare(sum);

@@ -175,5 +175,28 @@ TEST(DeviceLossFacts, AnUnstableUnitEndsTheEngagement) {
   EXPECT_TRUE(line.steps().back().at_rest());
 }
 
+/// What keeps the arm from doing what it is told, with answers that look healthy.
+class ArmIgnores : public testing::TestWithParam<const char*> {};
+
+TEST_P(ArmIgnores, IsNoticedLatchedAndNotResumed) {
+  Line line(configure("thesis-wave"));
+  line.engage_and_run_to(22.3);
+  ASSERT_EQ(line.mode().state, ModeState::engaged);
+  line.fault("arm", GetParam(), true);
+  ASSERT_TRUE(line.run_until_state(ModeState::fault, 1));
+  EXPECT_EQ(line.mode().fault_code.view(), "arm_ignores");
+  line.run_for(2);
+  EXPECT_TRUE(line.steps().back().at_rest());
+  line.fault("arm", GetParam(), false);
+  line.run_for(2);
+  EXPECT_EQ(line.mode().state, ModeState::fault) << "nothing resumes by itself";
+  EXPECT_TRUE(line.steps().back().at_rest());
+  line.ask(ModeAction::reset);
+  EXPECT_TRUE(line.run_until_state(ModeState::ready, 10)) << line.mode().reason.view();
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, ArmIgnores, testing::Values("hold", "local", "drive_off"),
+                         [](const auto& of) { return std::string(of.param); });
+
 }  // namespace
 }  // namespace motionlab::integration

@@ -30,8 +30,10 @@ class TakenApart {
                                                config.gateway.qualisys.platform_body)),
         arm_(wires_.reader<topic::ArmState>(config.gateway.comau.driver.device)),
         winch_(wires_.reader<topic::WinchState>(config.gateway.winch.driver.device)),
-        arm_command_(desk_.reader<topic::ArmCommand>(config.gateway.comau.driver.device)),
-        winch_command_(desk_.reader<topic::WinchCommand>(config.gateway.winch.driver.device)),
+        arm_command_(
+            desk_.reader<topic::ArmCommand>(config.gateway.comau.driver.device, service::kGatewayRequester)),
+        winch_command_(desk_.reader<topic::WinchCommand>(config.gateway.winch.driver.device,
+                                                         service::kGatewayRequester)),
         control_newest_(desk_.reader<topic::Control>()),
         mode_(desk_.reader<topic::Mode>()) {
     devices_.emplace(config.gateway, network_, wires_, schedule_);

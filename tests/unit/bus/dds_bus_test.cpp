@@ -153,6 +153,39 @@ TEST(DdsBus, TellsALateJoinerTheLastHundredEvents) {
   for (std::uint64_t number = 51; number <= 150; ++number) EXPECT_EQ(inbox.next()->sequence_number, number);
 }
 
+TEST(DdsBus, CarriesCommandsBothWaysWithoutACircleAndNobodySpeaksForAnother) {
+  Side gateway{loopback("gateway")}, pilot{loopback("pilot")};
+  for (Side* const side : {&gateway, &pilot}) {
+    side->dds.both<topic::ArmCommand>();
+    side->dds.start();
+  }
+  auto ours = gateway.local.advertise<topic::ArmCommand>();
+  auto theirs = pilot.local.advertise<topic::ArmCommand>();
+  auto forged = pilot.local.advertise<topic::ArmCommand>();
+  topic::ArmCommand command;
+  command.device = "arm";
+  const auto say = [&command](auto& publisher, const char* who, std::uint64_t number) {
+    command.requester = who;
+    command.sequence_number = number;
+    return publisher.publish(command);
+  };
+  ASSERT_TRUE(say(ours, "gateway", 1));
+  std::uint64_t number = 1;
+  ASSERT_TRUE(eventually([&] {
+    ++number;
+    (void)say(ours, "gateway", number);
+    (void)say(theirs, "pilot", number);
+    (void)say(forged, "gateway", 1'000'000);
+    const auto here = gateway.local.newest<topic::ArmCommand>("arm", "pilot");
+    return here && here->sequence_number > 1 && gateway.dds.counters().refused_instance > 3;
+  }));
+  EXPECT_LT(gateway.local.newest<topic::ArmCommand>("arm", "gateway")->sequence_number, 1'000'000U);
+  EXPECT_FALSE(gateway.local.newest<topic::ArmCommand>("arm", "nobody"));
+  // Nothing is sent on that came in, and nothing of one's own comes back.
+  const auto written = gateway.dds.counters().written;
+  EXPECT_LE(written, number);
+}
+
 TEST(DdsBus, CarriesRequestsOfTwoRequestersAndAllOfABurst) {
   Side gateway{loopback("gateway")};
   gateway.dds.in<topic::ModeRequest>();

@@ -102,7 +102,7 @@ Bytes request(std::size_t requester_size, unsigned char action) {
   bytes.push_back(0);
   while ((bytes.size() - 4) % 8 != 0) bytes.push_back(0);
   bytes.insert(bytes.end(), 16, 0);
-  bytes.insert(bytes.end(), {action, 0, 0, 0, 0, 0, 0, 0});
+  bytes.insert(bytes.end(), {action, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   return bytes;
 }
 

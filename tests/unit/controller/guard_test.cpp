@@ -38,6 +38,8 @@ GuardLimits lab_limits() {
 struct Bench {
   GuardLimits limits = lab_limits();
   Guard dut{limits};
+  LeaseDesk desk;
+  std::optional<Lease> lease = desk.grant("anna", false, LabTime{});
   std::vector<Joint> joints;
   Joint winch{2.0};
   Guard::Inputs in;
@@ -45,15 +47,20 @@ struct Bench {
   int ms = 0;
   std::deque<std::array<double, 7>> measured;
   bool posture_known = true;
+  bool commanding = true;                               ///< the owner goes on giving commands
   double worst_outside_rad = -1, worst_outside_m = -1;  ///< of joints and wire
   double worst_set_point = -1;                          ///< of any set point, beyond its limit
 
-  Bench() {
+  /// @param jerk  limit of what is wished
+  explicit Bench(double jerk_radps3 = 2000) {
+    limits.jerk_max_radps3 = jerk_radps3;
+    dut = Guard(limits);
     for (std::size_t i = 0; i < 6; ++i) {
       joints.emplace_back(0.5 * (limits.q_min_rad[i] + limits.q_max_rad[i]));
     }
     in.dt_s = 1e-3;
     in.may_move = true;
+    in.lease = &*lease;
     in.wish = Wish{};
   }
 
@@ -75,6 +82,8 @@ struct Bench {
       in.wire_length_m = measured.front()[6];
     }
     const GuardedCommand before = out;
+    in.t = LabTime{Nanoseconds{1'000'000LL * ms}};
+    if (commanding) lease->renew(in.t);
     out = dut.step(in);
     check(before);
     if (ms++ % 5 == 0) in_force = out;
@@ -154,33 +163,33 @@ TEST(Guard, PassesAWishWithinTheLimitsUnchanged) {
 
 TEST(Guard, EveryBitSaysWhichLimitActed) {
   {
-    Bench b;
+    Bench b(1e9);
     b.wish_all(9, 0);
     b.in.wish->qd_radps = {9, 0, 0, 0, 0, 0};
     b.step();
     EXPECT_EQ(b.out.changed, kGuardPosition | kGuardVelocity | kGuardAcceleration);
   }
   {
-    Bench b;
+    Bench b(1e9);
     b.in.wish->qd_radps = {0, 0, 0.6, 0, 0, 0};
     b.step();
     EXPECT_EQ(b.out.changed, (kGuardVelocity | kGuardAcceleration) << 2);
   }
   {
-    Bench b;
+    Bench b(1e9);
     b.in.wish->qd_radps = {0, 0, 0, 0, -0.01, 0};
     b.step();
     EXPECT_EQ(b.out.changed, kGuardAcceleration << 4);
   }
   {
-    Bench b;
+    Bench b(1e9);
     b.in.wish->wire_speed_mps = 1;
     b.step();
     EXPECT_EQ(b.out.changed, kGuardWinch);
     EXPECT_EQ(b.dut.changed_count(), 1u);
   }
   {
-    Bench b;
+    Bench b(1e9);
     b.in.wish->qd_radps[3] = kNan;
     b.step();
     EXPECT_EQ(b.out.changed, kGuardNotFinite);
@@ -365,6 +374,205 @@ TEST(Guard, ALateStepBuysNoJump) {
     b.step();
     EXPECT_EQ(b.out.qd_radps, before) << dt;
   }
+}
+
+TEST(Guard, NothingMovesWithoutALeaseOrAfterItHasExpired) {
+  Bench b;
+  b.in.lease = nullptr;
+  b.wish_all(0.3, 0.1);
+  for (int i = 0; i < 100; ++i) b.step();
+  EXPECT_TRUE(b.dut.at_rest());
+  EXPECT_FALSE(b.out.follow);
+
+  Bench c;
+  c.wish_all(0.3, 0.1);
+  for (int i = 0; i < 300; ++i) c.step();
+  EXPECT_FALSE(c.dut.at_rest());
+  c.commanding = false;
+  for (int i = 0; i < 98; ++i) c.step();
+  const auto before = c.out.qd_radps;
+  EXPECT_GT(before[0], 0.2);
+  c.expect_rest();
+  c.in.may_move = true;
+  c.commanding = true;
+  for (int i = 0; i < 100; ++i) c.step();
+  EXPECT_TRUE(c.dut.at_rest()) << "what has expired is not renewed";
+}
+
+TEST(Guard, AnOldPostureIsNone) {
+  for (const bool wire : {false, true}) {
+    Bench b;
+    b.wish_all(0.3, 0.1);
+    for (int i = 0; i < 300; ++i) b.step();
+    (wire ? b.in.wire_age_s : b.in.q_age_s) = b.limits.posture_age_max_s + 0.001;
+    b.step();
+    EXPECT_EQ(b.out.changed, kGuardNotFresh);
+    for (int i = 0; i < 400; ++i) b.step();
+    EXPECT_TRUE(b.dut.at_rest());
+    (wire ? b.in.wire_age_s : b.in.q_age_s) = kNan;
+    b.step();
+    EXPECT_EQ(b.out.changed, kGuardNotFresh);
+  }
+}
+
+TEST(Guard, AWishMayNotJerk) {
+  Bench b(100);
+  b.in.wish->qd_radps[0] = 0.2;
+  double before = 0, slope_before = 0;
+  for (int i = 0; i < 150; ++i) {
+    b.step();
+    const double slope = (b.out.qd_radps[0] - before) / 1e-3;
+    // Until the limit itself, at which the acceleration ends at once, it changes by no more than the jerk.
+    if (b.out.qd_radps[0] < 0.2) {
+      ASSERT_LE(std::abs(slope - slope_before), 0.1 + 1e-9) << i;
+    }
+    before = b.out.qd_radps[0];
+    slope_before = slope;
+  }
+  EXPECT_TRUE(b.dut.changed_count() > 0);
+  b.expect_rest();
+}
+
+TEST(Guard, NothingIsPaidOutOnASlackWireNorHauledInOnOneThatIsHeld) {
+  Bench b;
+  b.limits.motor_torque_min_nm = 0.1;
+  b.limits.motor_torque_max_nm = 2.5;
+  b.dut = Guard(b.limits);
+  const auto speed_after = [&b](double torque, double wish) {
+    b.in.motor_torque_nm = torque;
+    b.wish_all(0, wish);
+    for (int i = 0; i < 500; ++i) b.step();
+    return b.out.wire_speed_mps;
+  };
+  EXPECT_GT(speed_after(1.0, 0.1), 0.05);
+  EXPECT_EQ(speed_after(0.05, 0.1), 0.0);
+  EXPECT_TRUE(b.out.changed & kGuardTension);
+  EXPECT_LT(speed_after(0.05, -0.1), -0.05) << "a slack wire may be hauled in";
+  EXPECT_EQ(speed_after(3.0, -0.1), 0.0);
+  EXPECT_GT(speed_after(3.0, 0.1), 0.05);
+}
+
+// ---------------------------------------------------------------- fences
+
+FenceLimits lab_fences() {
+  return {.arm = {0.350, 1.160, 0.250, 0.830, 2.2692},
+          .p_base_tool_min_m = {1.0, -1.0, 0.3},
+          .p_base_tool_max_m = {3.2, 1.0, 2.5},
+          .load_height_min_m = 0.5,
+          .p_world_second_m = {9, 9, 9},
+          .distance_to_second_min_m = 1.0};
+}
+
+/// How far tool and load are within all fences.
+double inside(const FenceLimits& limits, const Bench& b, const math::RigidTransform& X_WR) {
+  const Eigen::Vector3d q(b.joints[0].q(), b.joints[1].q(), b.joints[2].q());
+  double least = 1e9;
+  for (const Fence& fence : fences(limits, q, b.winch.q(), X_WR)) least = std::min(least, fence.distance_m);
+  return least;
+}
+
+TEST(Fences, TheSlopeIsTheDerivativeOfTheDistance) {
+  const FenceLimits limits = lab_fences();
+  const math::RigidTransform X_WR{math::from_euler({0.1, -0.2, 0.7}, math::EulerOrder::zyx), {0.3, 0.2, 1.5}};
+  const Eigen::Vector3d q(0.2, -0.1, -1.4);
+  constexpr double kStep = 1e-6;
+  const auto at = [&](Eigen::Index i, double by) {
+    Eigen::Vector3d moved = q;
+    if (i < 3) moved[i] += by;
+    return fences(limits, moved, i == 6 ? 2.0 + by : 2.0, X_WR);
+  };
+  const auto here = fences(limits, q, 2.0, X_WR);
+  for (const Eigen::Index i : {0, 1, 2, 6}) {
+    const auto more = at(i, kStep), less = at(i, -kStep);
+    for (std::size_t k = 0; k < kFences; ++k) {
+      EXPECT_NEAR(here[k].slope[i], (more[k].distance_m - less[k].distance_m) / (2 * kStep), 1e-7) << k << i;
+    }
+  }
+}
+
+TEST(Fences, AStopFromTheShareThatFitsEndsAtTheFence) {
+  Fence fence;
+  fence.distance_m = 0.2;
+  fence.slope[1] = -2.0;
+  Eigen::Matrix<double, 7, 1> speeds = Eigen::Matrix<double, 7, 1>::Zero();
+  const Eigen::Matrix<double, 7, 1> decelerations = Eigen::Matrix<double, 7, 1>::Constant(1.5);
+  speeds[1] = 1.0;
+  const double share = share_that_fits(fence, speeds, decelerations);
+  const double v = share * 1.0;
+  EXPECT_NEAR(2.0 * v * v / (2 * 1.5), 0.2, 1e-12);
+  speeds[1] = -1.0;
+  EXPECT_EQ(share_that_fits(fence, speeds, decelerations), 1.0) << "away from it everything fits";
+  fence.distance_m = -0.1;
+  EXPECT_EQ(share_that_fits(fence, speeds, decelerations), 1.0);
+  speeds[1] = 1.0;
+  EXPECT_EQ(share_that_fits(fence, speeds, decelerations), 0.0);
+}
+
+TEST(Fences, NoSequenceOfWishesPassesThem) {
+  Random random(5);
+  const math::RigidTransform X_WR{math::Matrix3d::Identity(), {0, 0, 1.2}};
+  double nearest = 1e9;
+  std::uint32_t acted = 0;
+  for (int run = 0; run < 30; ++run) {
+    Bench b;
+    b.limits.fences = lab_fences();
+    // In front of the tool's home, so that both the tool and the load can run into it.
+    b.limits.fences->p_world_second_m = {2.3, 1.6, 1.3};
+    b.dut = Guard(b.limits);
+    b.joints[2] = Joint(-90 * kDegree);
+    b.in.X_WR = X_WR;
+    ASSERT_GT(inside(*b.limits.fences, b, X_WR), 0);
+    for (int i = 0; i < 8000; ++i) {
+      if (random.chance(0.005)) {
+        for (double& qd : b.in.wish->qd_radps) qd = random.uniform(-2, 2);
+        b.in.wish->wire_speed_mps = random.uniform(-1, 1);
+      }
+      if (random.chance(0.002)) b.wish_all(random.chance(0.5) ? 5 : -5, random.chance(0.5) ? 1 : -1);
+      b.step();
+      if (testing::Test::HasFatalFailure()) return;
+      acted |= b.out.changed;
+      nearest = std::min(nearest, inside(*b.limits.fences, b, X_WR));
+    }
+    b.expect_rest();
+    nearest = std::min(nearest, inside(*b.limits.fences, b, X_WR));
+  }
+  EXPECT_GE(nearest, -0.01) << "servos swing past the end of a ramp, and the slope bends on the way";
+  EXPECT_LE(nearest, 0.02) << "and they are reached";
+  EXPECT_TRUE(acted & kGuardWorkspace);
+  EXPECT_TRUE(acted & kGuardFloor);
+  EXPECT_TRUE(acted & kGuardSecondPlatform);
+}
+
+TEST(Fences, WithoutTheShipsPoseNothingMoves) {
+  Bench b;
+  b.limits.fences = lab_fences();
+  b.dut = Guard(b.limits);
+  b.wish_all(0.1, 0.1);
+  b.step();
+  EXPECT_EQ(b.out.changed, kGuardNotFinite);
+  b.in.X_WR = math::RigidTransform{};
+  b.in.X_WR->p.x() = kNan;
+  b.step();
+  EXPECT_EQ(b.out.changed, kGuardNotFinite);
+  EXPECT_TRUE(b.dut.at_rest());
+}
+
+TEST(Fences, BeyondThemOnlyTheWayBackIsOpen) {
+  Bench b;
+  b.limits.fences = lab_fences();
+  b.limits.fences->p_base_tool_max_m.x() = 2.0;  // the tool is beyond
+  b.dut = Guard(b.limits);
+  b.joints[2] = Joint(-90 * kDegree);
+  b.in.X_WR = math::RigidTransform{math::Matrix3d::Identity(), {0, 0, 1.2}};
+  const double before = inside(*b.limits.fences, b, *b.in.X_WR);
+  ASSERT_LT(before, 0);
+  b.in.wish->qd_radps = {0, 0.3, 0, 0, 0, 0};  // leans forward
+  for (int i = 0; i < 300; ++i) b.step();
+  EXPECT_EQ(b.out.qd_radps[1], 0);
+  EXPECT_TRUE(b.out.changed & kGuardWorkspace);
+  b.in.wish->qd_radps = {0, -0.3, 0, 0, 0, 0};
+  for (int i = 0; i < 600; ++i) b.step();
+  EXPECT_GT(inside(*b.limits.fences, b, *b.in.X_WR), before + 0.05);
 }
 
 }  // namespace

@@ -31,11 +31,13 @@ struct Bench {
   ModeMachine dut{Authority::limited};
   ModeFacts facts;
   std::int64_t ms = 0;
+  bool commanding = true;  ///< the owner's controller goes on giving wishes
 
   Bench() { facts.links_up = true; }
 
   State step() {
     facts.t = at_ms(++ms);
+    if (commanding) facts.commanded = facts.t;
     dut.step(facts);
     return dut.state();
   }
@@ -222,6 +224,69 @@ TEST(ModeMachine, ResetBeforeRestIsRefusedWithTheReasonAndKeepsTheCode) {
   EXPECT_EQ(b.dut.topic().reason.view(), "a fault is reset only at rest; ask again");
   b.facts.at_rest = true;
   EXPECT_EQ(b.step(), State::fault);
+}
+
+// ---------------------------------------------------------------- the lease
+
+TEST(ModeMachine, AnOwnerWhoFallsSilentLosesTheLeaseAndAFaultIsLatched) {
+  Bench b;
+  b.go(State::engaged);
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(b.step(), State::engaged);
+  EXPECT_TRUE(b.dut.lease()->valid(b.facts.t));
+  EXPECT_EQ(b.dut.topic().t_lease_expires_ns, to_ns(b.facts.t + kLeaseDuration));
+  b.commanding = false;
+  int steps = 1;
+  while (b.step() == State::engaged) ++steps;
+  EXPECT_EQ(steps, 100);
+  EXPECT_EQ(b.dut.state(), State::fault);
+  EXPECT_EQ(b.dut.topic().fault_code.view(), "lease_lost");
+  EXPECT_FALSE(b.dut.lease());
+  b.commanding = true;
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(b.step(), State::fault) << "it does not come back";
+}
+
+TEST(ModeMachine, TellsWhetherTheOwnerCommandsHimself) {
+  Bench b;
+  b.go(State::ready);
+  topic::ModeRequest request = ask(ModeAction::engage, "pilot");
+  request.external_controller = true;
+  b.dut.request(request, at_ms(b.ms));
+  ASSERT_TRUE(b.dut.applicant());
+  EXPECT_TRUE(b.dut.applicant()->external);
+  EXPECT_EQ(b.step(), State::engaged);
+  EXPECT_FALSE(b.dut.applicant());
+  EXPECT_TRUE(b.dut.lease()->external());
+  EXPECT_TRUE(b.dut.topic().external_controller);
+  EXPECT_EQ(b.dut.topic().owner.view(), "pilot");
+  b.ask(ModeAction::settle);
+  for (int i = 0; i < 3; ++i) b.step();
+  EXPECT_FALSE(b.dut.topic().external_controller);
+  EXPECT_EQ(b.dut.topic().t_lease_expires_ns, 0);
+}
+
+TEST(Lease, IsOneAtATimeAndComesBackWithItsHolder) {
+  LeaseDesk desk;
+  EXPECT_FALSE(desk.grant("", false, at_ms(0)));
+  auto first = desk.grant("anna", false, at_ms(0));
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(desk.grant("bert", false, at_ms(1000))) << "also when it has expired";
+  std::optional<Lease> moved = std::move(first);
+  first.reset();
+  EXPECT_FALSE(desk.grant("bert", false, at_ms(1000))) << "it was handed over";
+  moved.reset();
+  EXPECT_TRUE(desk.grant("bert", true, at_ms(1000)));
+}
+
+TEST(Lease, IsRenewedByNewCommandsAloneAndNeverRevived) {
+  LeaseDesk desk;
+  auto lease = desk.grant("anna", false, at_ms(0));
+  EXPECT_TRUE(lease->valid(at_ms(99)));
+  EXPECT_FALSE(lease->valid(at_ms(100)));
+  lease->renew(at_ms(50));
+  lease->renew(at_ms(20));
+  EXPECT_EQ(lease->expires(), at_ms(150));
+  lease->renew(at_ms(151));
+  EXPECT_FALSE(lease->valid(at_ms(151)));
 }
 
 // ---------------------------------------------------------------- requests

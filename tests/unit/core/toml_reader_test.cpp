@@ -255,6 +255,13 @@ TEST_F(Toml, SyntaxErrorsAndDuplicatesHaveAPosition) {
               testing::AllOf(HasSubstr("lab.toml:2:"), HasSubstr("'a'")));
 }
 
+TEST_F(Toml, AKeyThatNeedsQuotesIsRefusedWhereItStands) {
+  const auto nothing = [](const TomlTable&) {};
+  EXPECT_THAT(error_of_text("[a]\nx = 1\n\"'y\" = 2\n", nothing),
+              testing::StartsWith("lab.toml:3:1: a key has"));
+  EXPECT_THAT(error_of_text("x = [{ \"\" = 1 }]\n", nothing), HasSubstr("a key has other characters"));
+}
+
 TEST_F(Toml, TheCallerCanRefuseAValueAtItsPosition) {
   EXPECT_EQ(
       error_of_text("[a]\nx = 1\ny = 2\n",
