@@ -131,7 +131,8 @@ void ComauDriver::keep_schedule(LabTime now) noexcept {
     next_send_ = LabTime::max();
     return;
   }
-  const Nanoseconds period = from_seconds(config_.command_period_s);
+  // In the robot's time: so many of its cycles as meant, and the phase to them does not wander.
+  const Nanoseconds period = from_seconds(config_.command_period_s * (1.0 + 1e-6 * clock_.drift_ppm()));
   next_send_ += period;
   if (next_send_ > now) return;
   const auto missed = (now - next_send_) / period + 1;

@@ -130,6 +130,13 @@ struct TopicTraits<topic::Health> : TopicDefaults {
 };
 
 template <>
+struct TopicTraits<topic::Timing> : TopicDefaults {
+  static constexpr std::string_view name = "motionlab/timing";
+  static constexpr QosClass qos = QosClass::state;
+  static constexpr double period_s = 1.0;
+};
+
+template <>
 struct TopicTraits<topic::Score> : TopicDefaults {
   static constexpr std::string_view name = "motionlab/score";
   static constexpr QosClass qos = QosClass::state;

@@ -16,6 +16,8 @@ using topic::ModeState;
 constexpr double kShareBack = 2.0;
 /// How long before a state that nobody changed is told again, so that its lease is seen to live.
 constexpr Nanoseconds kModeRepeat = 1s;
+/// How often the control thread tells of itself.
+constexpr Nanoseconds kHealthRepeat = 100ms, kTimingRepeat = 1s;
 /// A reference that moves goes on moving for so long after it was last told.
 constexpr Nanoseconds kReferenceGoesOn = 250ms;
 /// No place of any laboratory is further from its origin.
@@ -56,7 +58,10 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       publish_arm_(local.advertise<topic::ArmCommand>()),
       publish_winch_(local.advertise<topic::WinchCommand>()),
       publish_mode_(local.advertise<topic::Mode>()),
-      publish_event_(local.advertise<topic::Event>()) {
+      publish_event_(local.advertise<topic::Event>()),
+      publish_health_(local.advertise<topic::Health>()),
+      publish_timing_(local.advertise<topic::Timing>()),
+      time_keeper_(config) {
   // Nobody else may ever speak for the gateway: the first to publish an instance owns it.
   Snapshot nothing;
   command(nothing, {});
@@ -109,6 +114,10 @@ void ControlLoop::step(LabTime t) {
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
+  if (!stopwatch_) return;
+  time_keeper_.stepped(now, control.step_time_us,
+                       control.following ? std::optional(control.age_mru_s) : std::nullopt);
+  tell_time(t);
 }
 
 std::optional<controller::Wish> ControlLoop::wish(const Snapshot& now, const topic::Estimate& estimate) {
@@ -214,6 +223,22 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
   winch.reset = modes_.state() == ModeState::engaged && now.winch && !now.winch->enabled;
   winch.wire_speed_wanted_mps = guarded.wire_speed_mps;
   publish_winch_.publish(winch);
+}
+
+void ControlLoop::tell_time(LabTime t) {
+  const auto every = [this](Nanoseconds time) {
+    return steps_ % static_cast<std::uint64_t>(seconds(time) / config_.control_period_s) == 0;
+  };
+  if (every(kHealthRepeat)) {
+    topic::Health health = time_keeper_.health(t);
+    health.sequence_number = ++healths_;
+    publish_health_.publish(health);
+  }
+  if (every(kTimingRepeat)) {
+    topic::Timing timing = time_keeper_.timing(t);
+    timing.sequence_number = ++timings_;
+    publish_timing_.publish(timing);
+  }
 }
 
 void ControlLoop::tell_mode(LabTime t) {

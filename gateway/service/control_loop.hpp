@@ -15,6 +15,7 @@
 #include "gateway/service/gateway_config.hpp"
 #include "gateway/service/readiness.hpp"
 #include "gateway/service/snapshot.hpp"
+#include "gateway/service/time_keeper.hpp"
 
 namespace motionlab::service {
 
@@ -31,6 +32,8 @@ class ControlLoop {
   void step(LabTime t);
 
   [[nodiscard]] topic::ModeState mode() const { return modes_.state(); }
+  /// Where the thread that steps this tells how it was woken.
+  [[nodiscard]] TimeKeeper& time_keeper() { return time_keeper_; }
 
  private:
   void take_requests(LabTime t);
@@ -46,6 +49,7 @@ class ControlLoop {
   void coast(const Snapshot& snapshot);
   void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
   void tell_mode(LabTime t);
+  void tell_time(LabTime t);
 
   GatewayConfig config_;
   Snapshots snapshots_;
@@ -69,6 +73,9 @@ class ControlLoop {
   bus::Publisher<topic::WinchCommand> publish_winch_;
   bus::Publisher<topic::Mode> publish_mode_;
   bus::Publisher<topic::Event> publish_event_;
+  bus::Publisher<topic::Health> publish_health_;
+  bus::Publisher<topic::Timing> publish_timing_;
+  TimeKeeper time_keeper_;
 
   std::optional<LabTime> stepped_;
   std::optional<LabTime> commanded_;  ///< when whoever is engaged last gave a wish
@@ -77,6 +84,8 @@ class ControlLoop {
   std::uint64_t steps_ = 0;
   std::uint64_t mode_told_ = 0;
   std::uint64_t events_ = 0;
+  std::uint64_t healths_ = 0;
+  std::uint64_t timings_ = 0;
 };
 
 }  // namespace motionlab::service

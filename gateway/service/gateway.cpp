@@ -19,6 +19,7 @@ namespace motionlab::service {
 namespace {
 
 constexpr auto kDriverPeriod = std::chrono::milliseconds{1};
+constexpr std::uint64_t kBeatsPerCountOfFaults = 100;
 constexpr int kControlPriority = 80;
 constexpr int kIoPriority = 70;
 
@@ -50,6 +51,7 @@ struct Gateway::Impl {
     dds.out<topic::Control>();
     dds.out<topic::Mode>();
     dds.out<topic::Health>();
+    dds.out<topic::Timing>();
     dds.out<topic::Event>();
     dds.in<topic::ModeRequest>();
     dds.in<topic::Reference>();
@@ -70,16 +72,19 @@ struct Gateway::Impl {
   }
 
   void run_control(std::promise<std::string> told) {
-    told.set_value(become_real_time("control", kControlPriority));
+    told.set_value(become_real_time("control", kControlPriority, config.control_cpu));
     Metronome metronome(from_seconds(config.control_period_s));
-    while (!stopping.load(std::memory_order_relaxed)) {
-      missed.fetch_add(metronome.wait(), std::memory_order_relaxed);
+    for (std::uint64_t beat = 0; !stopping.load(std::memory_order_relaxed); ++beat) {
+      const auto woken = metronome.wait();
+      missed.fetch_add(woken.missed, std::memory_order_relaxed);
+      control.time_keeper().woke(woken.late, woken.missed);
+      if (beat % kBeatsPerCountOfFaults == 0) control.time_keeper().page_faults(page_faults());
       control.step(clock.now());
     }
   }
 
   void run_io(std::promise<std::string> told) {
-    told.set_value(become_real_time("io", kIoPriority));
+    told.set_value(become_real_time("io", kIoPriority, config.io_cpu));
     arm_driver_timer();
     io.run();
   }

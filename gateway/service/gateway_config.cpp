@@ -281,6 +281,8 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
 
   const TomlTable control = root.table("control");
   config.control_period_s = control.number("period_s", {0.0005, 0.01});
+  config.control_cpu = static_cast<int>(control.integer("cpu", {-1, 1023}));
+  config.io_cpu = static_cast<int>(control.integer("io_cpu", {-1, 1023}));
   constexpr std::array ladder{topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited,
                               topic::Authority::full};
   config.authority = ladder[control.choice("authority", {"observe", "shadow", "limited", "full"})];

@@ -11,16 +11,24 @@ namespace motionlab::service {
 /// Locks the process' memory as it is touched. @returns what was refused, as a sentence; empty when granted
 [[nodiscard]] std::string lock_memory();
 
-/// Names the calling thread, asks for SCHED_FIFO and for prompt timers. @returns as above
-[[nodiscard]] std::string become_real_time(const char* name, int priority);
+/// Names the calling thread, asks for SCHED_FIFO and for prompt timers, for one processor if `cpu` is not
+/// negative, and touches its stack. @returns as above
+[[nodiscard]] std::string become_real_time(const char* name, int priority, int cpu);
+
+/// Of the calling thread since it began, minor and major.
+[[nodiscard]] std::uint64_t page_faults();
 
 /// Wakes once per period on an absolute schedule of the monotonic clock. A period that was slept through is
 /// skipped.
 class Metronome {
  public:
   explicit Metronome(Nanoseconds period);
-  /// Sleeps until the next beat. @returns how many beats were missed since the last
-  std::uint64_t wait();
+  struct Woken {
+    Nanoseconds late{};        ///< after the beat that was waited for
+    std::uint64_t missed = 0;  ///< further beats that were slept through
+  };
+  /// Sleeps until the next beat.
+  Woken wait();
 
  private:
   Nanoseconds period_;

@@ -493,6 +493,24 @@ TEST_F(ComauDriverTest, RunsThroughTheWrapOfTheFrameCounter) {
   }
 }
 
+TEST_F(ComauDriverTest, KeepsItsPhaseToTheRobotsCycleWhenTheClocksDrift) {
+  constexpr double kDrift = 150e-6;
+  const auto robot_s = [](LabTime t) { return (1.0 + kDrift) * seconds(t - kStart); };
+  std::optional<double> first_phase;
+  double wandered = 0;
+  while (now_ < kStart + 120s) {
+    now_ = std::max(now_ + 100us, dut_.next_send());
+    dut_.step(now_);
+    receive(static_cast<std::uint32_t>(robot_s(now_) / 400e-6) + 1000u, now_ + 100us);
+    if (now_ < kStart + 60s) continue;  // the drift is learnt
+    // How many whole periods of the robot's time it is away from the first send.
+    const double since = robot_s(now_);
+    if (!first_phase) first_phase = since;
+    wandered = std::max(wandered, std::abs(std::remainder(since - *first_phase, 5e-3)));
+  }
+  EXPECT_LT(wandered, 0.5e-3) << "without that it would be 2.5 ms, all there is";
+}
+
 TEST_F(ComauDriverTest, StartsTheClockAfreshWhenTheProgramRestarts) {
   run(1ms);
   receive(5'000'000, now_);

@@ -17,6 +17,7 @@
 #include "Reference.h"
 #include "Score.h"
 #include "SimControl.h"
+#include "Timing.h"
 #include "TruthWorld.h"
 #include "WinchCommand.h"
 #include "WinchState.h"
@@ -34,6 +35,7 @@ const struct topic every_topic[] = {
     {"motionlab/mode", &motionlab_Mode_desc, TOPIC_STATE, NULL},
     {"motionlab/mode_request", &motionlab_ModeRequest_desc, TOPIC_REQUEST, NULL},
     {"motionlab/health", &motionlab_Health_desc, TOPIC_STATE, NULL},
+    {"motionlab/timing", &motionlab_Timing_desc, TOPIC_STATE, NULL},
     {"motionlab/score", &motionlab_Score_desc, TOPIC_STATE, NULL},
     {"motionlab/event", &motionlab_Event_desc, TOPIC_EVENT, NULL},
     {"truth/world", &motionlab_TruthWorld_desc, TOPIC_SENSOR, "truth"},
