@@ -43,29 +43,35 @@ std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
 }  // namespace
 
 ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-                         std::function<std::int64_t()> stopwatch)
+                         std::function<std::int64_t()> stopwatch, record::RunTape* tape)
     : config_(config),
-      snapshots_(config, local),
-      schedule_(schedule),
+      inputs_(config, local, schedule),
       stopwatch_(std::move(stopwatch)),
+      tape_(tape),
       estimator_(config.belief),
       keeper_(keeper_of(config)),
       guard_(config.limits),
       modes_(config.authority),
       reference_{Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())},
-      requests_(local.subscribe<topic::ModeRequest>()),
-      references_(local.subscribe<topic::Reference>()),
-      publish_estimate_(local.advertise<topic::Estimate>()),
-      publish_control_(local.advertise<topic::Control>()),
-      publish_arm_(local.advertise<topic::ArmCommand>()),
-      publish_winch_(local.advertise<topic::WinchCommand>()),
-      publish_mode_(local.advertise<topic::Mode>()),
-      publish_event_(local.advertise<topic::Event>()) {}
+      publish_estimate_(local, tape),
+      publish_control_(local, tape),
+      publish_arm_(local, tape),
+      publish_winch_(local, tape),
+      publish_mode_(local, tape),
+      publish_event_(local, tape) {}
 
 void ControlLoop::step(LabTime t) {
+  topic::Snapshot& inputs = inputs_.gather(t);
+  if (tape_) inputs.outputs_crc = tape_->outputs_crc();
+  step(inputs);
+}
+
+void ControlLoop::step(const topic::Snapshot& inputs) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
-  take_requests(t);
-  const Snapshot now = snapshots_.at(t);
+  if (tape_) tape_->begin(inputs);
+  const LabTime t = from_ns(inputs.t_ns);
+  take_requests(inputs);
+  const Snapshot& now = newest_.take(inputs);
   const topic::Estimate estimate =
       estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
 
@@ -75,7 +81,7 @@ void ControlLoop::step(LabTime t) {
   const bool engaged = modes_.state() == ModeState::engaged;
   std::optional<controller::Wish> wish;
   if (estimate.valid && now.arm) {
-    const LabTime t_send = std::max(t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
+    const LabTime t_send = std::max(t, from_ns(inputs.t_next_send_ns));
     wish = keeper_->step(
         {t, std::min(t_send, t + 10ms), estimate, *now.arm, reference_at(t), horizontal_share_, engaged});
   }
@@ -109,21 +115,23 @@ void ControlLoop::step(LabTime t) {
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
+  if (tape_) tape_->end();
 }
 
-void ControlLoop::take_requests(LabTime t) {
-  while (const auto request = requests_.next()) modes_.request(*request, t);
-  while (const auto reference = references_.next()) {
-    const Eigen::Map<const Eigen::Vector3d> p(reference->p_world_load_m.data());
-    const Eigen::Map<const Eigen::Vector3d> v(reference->v_world_load_mps.data());
+void ControlLoop::take_requests(const topic::Snapshot& inputs) {
+  const LabTime t = from_ns(inputs.t_ns);
+  for (const auto& request : inputs.requests) modes_.request(request, t);
+  for (const auto& reference : inputs.references) {
+    const Eigen::Map<const Eigen::Vector3d> p(reference.p_world_load_m.data());
+    const Eigen::Map<const Eigen::Vector3d> v(reference.v_world_load_mps.data());
     // A reference is a wish like any other: only a possible one counts, and the guard has the last word.
     const bool possible = p.allFinite() && v.allFinite() &&
                           std::max(p.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()) <= kFarthestReference;
     if (!possible) continue;
-    reference_ = {p, v, reference->frame == topic::ReferenceFrame::em1500};
+    reference_ = {p, v, reference.frame == topic::ReferenceFrame::em1500};
     reference_moved_ = t;
   }
-  while (const auto sent = schedule_.sent.pop()) keeper_->sent(from_ns(sent->t_created_ns), *sent);
+  for (const auto& sent : inputs.sent) keeper_->sent(from_ns(sent.t_created_ns), sent);
 }
 
 controller::LoadReference ControlLoop::reference_at(LabTime t) const {
