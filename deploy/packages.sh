@@ -8,7 +8,7 @@ set -euo pipefail
 build=(
   cmake ninja-build g++ pkg-config python3
   libeigen3-dev libboost-dev libspdlog-dev libfmt-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev
-  libtinyxml2-dev libsystemd-dev
+  libtinyxml2-dev libsystemd-dev libzstd-dev # zstd: recordings
   libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless/java # fastddsgen is a Java program
   procps
   gnuplot-nox/gnuplot # motionlab-study --figures

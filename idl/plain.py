@@ -6,7 +6,9 @@
 For `Mru.idl` it writes `mru.hpp` with `motionlab::topic::Mru`: the same fields in the same order with the same
 comments, trivially copyable, all zero at birth, and with two visitors: `fields` (name and value) and `zip` (value and
 the accessor of a generated twin). It understands exactly the dialect of this folder: one module, enums, one @final
-struct, scalars, bounded strings and one-dimensional arrays. Anything else is an error with file and line.
+struct, scalars, bounded strings, one-dimensional arrays, and bounded sequences of the structs of other files. Anything
+else is an error with file and line. A struct with sequences travels in recordings; the others are topics of the bus.
+`schemas.hpp` has the text of each type with its includes in place, for recordings.
 """
 
 import pathlib
@@ -18,8 +20,10 @@ SCALARS = {
     "short": "std::int16_t", "unsigned short": "std::uint16_t", "long": "std::int32_t",
     "unsigned long": "std::uint32_t", "long long": "std::int64_t", "unsigned long long": "std::uint64_t",
 }
-FIELD = re.compile(r"^\s*(?P<key>@key\s+)?(?P<type>string<(?P<chars>\d+)>|[A-Za-z][A-Za-z ]*?)\s+(?P<name>\w+)"
-                   r"(\[(?P<count>\d+)\])?;\s*(//\s*(?P<doc>.*))?$")
+FIELD = re.compile(r"^\s*(?P<key>@key\s+)?"
+                   r"(?P<type>string<(?P<chars>\d+)>|sequence<(?P<item>\w+), (?P<most>\d+)>|[A-Za-z][A-Za-z ]*?)"
+                   r"\s+(?P<name>\w+)(\[(?P<count>\d+)\])?;\s*(//\s*(?P<doc>.*))?$")
+INCLUDE = re.compile(r'^#include "(\w+)\.idl"\n', re.M)
 
 
 def snake(name):
@@ -53,7 +57,7 @@ def parse(path):
         if not line.startswith("//"):
             break
         head.append(line[2:].strip())
-    includes = re.findall(r'^#include "(\w+)\.idl"', text, re.M)
+    includes = INCLUDE.findall(text)
     enums = [parse_enum(found) for found in re.findall(r"enum\s+\w+\s*\{[^}]*\}", text, re.S)]
     fields, struct = [], None
     for number, line in enumerate(lines, 1):
@@ -67,6 +71,8 @@ def parse(path):
         elif struct:
             field = FIELD.match(line)
             if field:
+                if field["item"] and field["item"] not in includes:
+                    fail(path, number, line, "the items of a sequence are the struct of an included file")
                 fields.append(field.groupdict())
             elif line.strip().startswith("//") and fields:
                 fields[-1]["doc"] = f"{fields[-1]['doc'] or ''} {line.strip()[2:].strip()}".strip()
@@ -78,6 +84,8 @@ def parse(path):
 
 
 def cpp_type(field):
+    if field["item"]:
+        return f"Sequence<{field['item']}, {field['most']}>"
     base = f"Text<{field['chars']}>" if field["chars"] else SCALARS.get(field["type"], field["type"])
     return f"std::array<{base}, {field['count']}>" if field["count"] else base
 
@@ -85,8 +93,11 @@ def cpp_type(field):
 def emit(path):
     struct, head, includes, enums, fields = parse(path)
     out = [f"/// @file  Made by plain.py from {path.name}; edit that.", "#pragma once", "",
-           "#include <array>", "#include <cstdint>", "#include <string_view>", "",
-           '#include "drivers/core/text.hpp"']
+           "#include <array>", "#include <cstdint>", "#include <string_view>", ""]
+    recorded = any(field["item"] for field in fields)
+    if recorded:
+        out.append('#include "drivers/core/sequence.hpp"')
+    out.append('#include "drivers/core/text.hpp"')
     out += [f'#include "idl/{snake(name)}.hpp"' for name in includes]
     out += ["", "namespace motionlab::topic {", ""]
     for name, values in enums:
@@ -113,18 +124,38 @@ def emit(path):
                 "  [[nodiscard]] std::array<std::string_view, %d> key() const {" % len(keys),
                 f"    return {{{', '.join(name + '.view()' for name in keys)}}};", "  }"]
     out += ["};", "", "}  // namespace motionlab::topic", ""]
-    return snake(struct), struct, "\n".join(out)
+    return snake(struct), struct, recorded, "\n".join(out)
+
+
+def schema(path, seen):
+    """The file's text with the includes in place, each file once."""
+    if path in seen:
+        return ""
+    seen.append(path)
+    return INCLUDE.sub(lambda include: schema(path.with_name(include[1] + ".idl"), seen), path.read_text())
+
+
+def emit_schemas(paths):
+    out = ["/// @file  Made by plain.py: every type's IDL, for recordings.", "#pragma once", "", "#include <string_view>", "",
+           '#include "idl/topics.hpp"', "", "namespace motionlab::topic {", "",
+           "/// The IDL of a type with its includes in place, without preprocessor directives.",
+           "template <class T>", "inline constexpr std::string_view kSchema{};"]
+    for path in paths:
+        out += ["template <>", f'inline constexpr std::string_view kSchema<{path.stem}> = R"idl({schema(path, [])})idl";']
+    return "\n".join(out + ["", "}  // namespace motionlab::topic", ""])
 
 
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    made = [emit(pathlib.Path(name)) for name in sys.argv[2:]]
+    paths = [pathlib.Path(name) for name in sys.argv[2:]]
+    made = [emit(path) for path in paths]
     every = ["/// @file  Made by plain.py: every topic's struct.", "#pragma once", ""]
-    every += [f'#include "idl/{name}.hpp"' for name, _, _ in made]
+    every += [f'#include "idl/{name}.hpp"' for name, _, _, _ in made]
     every += ["", "/// Calls X(Type) for every topic's struct.", "#define MOTIONLAB_FOR_EACH_TOPIC_TYPE(X) \\",
-              " \\\n".join(f"  X({struct})" for _, struct, _ in made), ""]
-    for name, text in [(name, text) for name, _, text in made] + [("topics", "\n".join(every))]:
+              " \\\n".join(f"  X({struct})" for _, struct, recorded, _ in made if not recorded), ""]
+    files = [(name, text) for name, _, _, text in made]
+    for name, text in files + [("topics", "\n".join(every)), ("schemas", emit_schemas(paths))]:
         target = folder / f"{name}.hpp"
         if not target.exists() or target.read_text() != text:
             target.write_text(text)

@@ -413,9 +413,16 @@ TomlDocument TomlDocument::load(const std::filesystem::path& file,
                                 const std::vector<TomlText>& texts) {
   auto root = std::make_shared<TomlNode>();
   root->file = file.string();
-  root->own = parse(file);
-  for (const auto& overlay : overlays) merge(root->own, parse(overlay));
-  for (const auto& text : texts) merge(root->own, parse(text));
+  root->own = motionlab::parse(file);
+  for (const auto& overlay : overlays) merge(root->own, motionlab::parse(overlay));
+  for (const auto& text : texts) merge(root->own, motionlab::parse(text));
+  return TomlDocument{std::move(root)};
+}
+
+TomlDocument TomlDocument::parse(const TomlText& text) {
+  auto root = std::make_shared<TomlNode>();
+  root->file = text.source;
+  root->own = motionlab::parse(text);
   return TomlDocument{std::move(root)};
 }
 

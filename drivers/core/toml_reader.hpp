@@ -130,6 +130,9 @@ class TomlDocument {
                            const std::vector<std::filesystem::path>& overlays = {},
                            const std::vector<TomlText>& texts = {});
 
+  /// Reads one text that stands in no file. @throws StartupError likewise
+  static TomlDocument parse(const TomlText& text);
+
   [[nodiscard]] TomlTable root() const { return TomlTable{root_}; }
 
   /// Call after everything was read. @throws StartupError for the first key that nobody asked for, with the

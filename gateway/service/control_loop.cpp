@@ -39,11 +39,11 @@ std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
 }  // namespace
 
 ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-                         std::function<std::int64_t()> stopwatch)
+                         std::function<std::int64_t()> stopwatch, record::RunTape* tape)
     : config_(config),
-      snapshots_(config, local),
-      schedule_(schedule),
+      inputs_(config, local, schedule),
       stopwatch_(std::move(stopwatch)),
+      tape_(tape),
       estimator_(config.belief),
       keeper_(keeper_of(config)),
       guard_(config.limits),
@@ -51,33 +51,49 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       readiness_(config),
       modes_(config.authority),
       reference_{Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())},
-      requests_(local.subscribe<topic::ModeRequest>()),
-      references_(local.subscribe<topic::Reference>()),
-      publish_estimate_(local.advertise<topic::Estimate>()),
-      publish_control_(local.advertise<topic::Control>()),
-      publish_arm_(local.advertise<topic::ArmCommand>()),
-      publish_winch_(local.advertise<topic::WinchCommand>()),
-      publish_mode_(local.advertise<topic::Mode>()),
-      publish_event_(local.advertise<topic::Event>()),
+      publish_estimate_(local, tape),
+      publish_control_(local, tape),
+      publish_arm_(local, tape),
+      publish_winch_(local, tape),
+      publish_mode_(local, tape),
+      publish_event_(local, tape),
       publish_health_(local.advertise<topic::Health>()),
       publish_timing_(local.advertise<topic::Timing>()),
       time_keeper_(config) {
   // Nobody else may ever speak for the gateway: the first to publish an instance owns it.
-  Snapshot nothing;
-  command(nothing, {});
+  topic::ArmCommand arm;
+  arm.device = config.comau.driver.device;
+  arm.requester = kGatewayRequester;
+  publish_arm_.claim(arm);
+  topic::WinchCommand winch;
+  winch.device = config.winch.driver.device;
+  winch.requester = kGatewayRequester;
+  publish_winch_.claim(winch);
 }
 
-Text<32> ControlLoop::external_controller() const {
+Text<32> ControlLoop::external_controller(const topic::Snapshot& inputs) const {
   if (modes_.lease()) return modes_.lease()->external() ? modes_.lease()->owner() : Text<32>{};
-  return modes_.applicant() && modes_.applicant()->external ? modes_.applicant()->name : Text<32>{};
+  for (const auto& request : inputs.requests) {
+    if (request.action == topic::ModeAction::engage && request.external_controller) return request.requester;
+  }
+  return {};
 }
 
 void ControlLoop::step(LabTime t) {
+  topic::Snapshot& inputs = inputs_.gather(t);
+  inputs_.gather_commands_of(external_controller(inputs));
+  if (tape_) inputs.outputs_crc = tape_->outputs_crc();
+  step(inputs);
+}
+
+void ControlLoop::step(const topic::Snapshot& inputs) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
+  if (tape_) tape_->begin(inputs);
+  const LabTime t = from_ns(inputs.t_ns);
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
-  take_requests(t);
-  const Snapshot now = snapshots_.at(t, external_controller());
+  take_requests(inputs);
+  const Snapshot& now = newest_.take(inputs);
   const topic::Estimate estimate =
       estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
 
@@ -114,6 +130,7 @@ void ControlLoop::step(LabTime t) {
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
+  if (tape_) tape_->end();
   if (!stopwatch_) return;
   time_keeper_.stepped(now, control.step_time_us,
                        control.following ? std::optional(control.age_mru_s) : std::nullopt);
@@ -125,7 +142,7 @@ std::optional<controller::Wish> ControlLoop::wish(const Snapshot& now, const top
   const bool external = modes_.lease() && modes_.lease()->external();
   std::optional<controller::Wish> ours;
   if (estimate.valid && now.arm) {
-    const LabTime t_send = std::max(now.t, from_ns(schedule_.t_next_send_ns.load(std::memory_order_relaxed)));
+    const LabTime t_send = std::max(now.t, now.t_next_send);
     ours = keeper_->step({now.t, std::min(t_send, now.t + 10ms), estimate, *now.arm, reference_at(now.t),
                           horizontal_share_, engaged && !external});
   }
@@ -162,19 +179,20 @@ controller::GuardedCommand ControlLoop::guard(const Snapshot& now,
   return guard_.step(in);
 }
 
-void ControlLoop::take_requests(LabTime t) {
-  while (const auto request = requests_.next()) modes_.request(*request, t);
-  while (const auto reference = references_.next()) {
-    const Eigen::Map<const Eigen::Vector3d> p(reference->p_world_load_m.data());
-    const Eigen::Map<const Eigen::Vector3d> v(reference->v_world_load_mps.data());
+void ControlLoop::take_requests(const topic::Snapshot& inputs) {
+  const LabTime t = from_ns(inputs.t_ns);
+  for (const auto& request : inputs.requests) modes_.request(request, t);
+  for (const auto& reference : inputs.references) {
+    const Eigen::Map<const Eigen::Vector3d> p(reference.p_world_load_m.data());
+    const Eigen::Map<const Eigen::Vector3d> v(reference.v_world_load_mps.data());
     // A reference is a wish like any other: only a possible one counts, and the guard has the last word.
     const bool possible = p.allFinite() && v.allFinite() &&
                           std::max(p.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()) <= kFarthestReference;
     if (!possible) continue;
-    reference_ = {p, v, reference->frame == topic::ReferenceFrame::em1500};
+    reference_ = {p, v, reference.frame == topic::ReferenceFrame::em1500};
     reference_moved_ = t;
   }
-  while (const auto sent = schedule_.sent.pop()) keeper_->sent(from_ns(sent->t_created_ns), *sent);
+  for (const auto& sent : inputs.sent) keeper_->sent(from_ns(sent.t_created_ns), sent);
 }
 
 controller::LoadReference ControlLoop::reference_at(LabTime t) const {

@@ -11,6 +11,7 @@
 #include "gateway/controller/keeper.hpp"
 #include "gateway/controller/mode_machine.hpp"
 #include "gateway/estimator/lab_estimator.hpp"
+#include "gateway/record/run_tape.hpp"
 #include "gateway/service/devices.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "gateway/service/readiness.hpp"
@@ -19,6 +20,23 @@
 
 namespace motionlab::service {
 
+/// Publishes on the bus, and on the tape where there is one.
+template <class T>
+class Out {
+ public:
+  Out(bus::LocalBus& local, record::RunTape* tape) : publisher_(local.advertise<T>()), tape_(tape) {}
+  /// The first to publish an instance owns it: publishes, and tells the tape nothing.
+  void claim(const T& sample) { publisher_.publish(sample); }
+  void publish(const T& sample) {
+    publisher_.publish(sample);
+    if (tape_) tape_->add(sample);
+  }
+
+ private:
+  bus::Publisher<T> publisher_;
+  record::RunTape* tape_;
+};
+
 /// snapshot → estimate → control → guard → command, on the bus.
 ///
 /// The same object runs on the control thread in real time and in lockstep. A step never allocates, locks,
@@ -26,21 +44,26 @@ namespace motionlab::service {
 class ControlLoop {
  public:
   /// @param stopwatch  nanoseconds of a running clock, only to tell how long a step took; nothing in lockstep
+  /// @param tape  is told every step's inputs and what it published; null: nobody is
   ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-              std::function<std::int64_t()> stopwatch = {});
+              std::function<std::int64_t()> stopwatch = {}, record::RunTape* tape = nullptr);
 
+  /// Gathers the inputs at time t and takes the step.
   void step(LabTime t);
+  /// One step. Depends on these inputs, on those of the steps before and on the configuration, and on nothing
+  /// else: the same give the same, to the bit (but for `step_time_us`).
+  void step(const topic::Snapshot& inputs);
 
   [[nodiscard]] topic::ModeState mode() const { return modes_.state(); }
   /// Where the thread that steps this tells how it was woken.
   [[nodiscard]] TimeKeeper& time_keeper() { return time_keeper_; }
 
  private:
-  void take_requests(LabTime t);
+  void take_requests(const topic::Snapshot& inputs);
   /// Where the load shall be now. A moving place goes on for a moment, then stands.
   [[nodiscard]] controller::LoadReference reference_at(LabTime t) const;
   /// Whose own commands are taken up: the external owner's, or of one who asks to be engaged.
-  [[nodiscard]] Text<32> external_controller() const;
+  [[nodiscard]] Text<32> external_controller(const topic::Snapshot& inputs) const;
   [[nodiscard]] std::optional<controller::Wish> wish(const Snapshot& snapshot,
                                                      const topic::Estimate& estimate);
   [[nodiscard]] controller::GuardedCommand guard(const Snapshot& snapshot,
@@ -52,9 +75,10 @@ class ControlLoop {
   void tell_time(LabTime t);
 
   GatewayConfig config_;
-  Snapshots snapshots_;
-  ArmSchedule& schedule_;
+  Inputs inputs_;
+  Newest newest_;
   std::function<std::int64_t()> stopwatch_;
+  record::RunTape* tape_;
 
   estimator::LabEstimator estimator_;
   std::unique_ptr<controller::Keeper> keeper_;
@@ -65,14 +89,12 @@ class ControlLoop {
   controller::LoadReference reference_;
   std::optional<LabTime> reference_moved_;  ///< when a moving reference was last told
 
-  bus::Subscription<topic::ModeRequest> requests_;
-  bus::Subscription<topic::Reference> references_;
-  bus::Publisher<topic::Estimate> publish_estimate_;
-  bus::Publisher<topic::Control> publish_control_;
-  bus::Publisher<topic::ArmCommand> publish_arm_;
-  bus::Publisher<topic::WinchCommand> publish_winch_;
-  bus::Publisher<topic::Mode> publish_mode_;
-  bus::Publisher<topic::Event> publish_event_;
+  Out<topic::Estimate> publish_estimate_;
+  Out<topic::Control> publish_control_;
+  Out<topic::ArmCommand> publish_arm_;
+  Out<topic::WinchCommand> publish_winch_;
+  Out<topic::Mode> publish_mode_;
+  Out<topic::Event> publish_event_;
   bus::Publisher<topic::Health> publish_health_;
   bus::Publisher<topic::Timing> publish_timing_;
   TimeKeeper time_keeper_;

@@ -11,6 +11,8 @@
 #include "drivers/core/asio_network.hpp"
 #include "gateway/bus/dds_bus.hpp"
 #include "gateway/bus/local_bus.hpp"
+#include "gateway/record/run_recorder.hpp"
+#include "gateway/record/run_tape.hpp"
 #include "gateway/service/control_loop.hpp"
 #include "gateway/service/devices.hpp"
 #include "gateway/service/real_time.hpp"
@@ -22,6 +24,8 @@ constexpr auto kDriverPeriod = std::chrono::milliseconds{1};
 constexpr std::uint64_t kBeatsPerCountOfFaults = 100;
 constexpr int kControlPriority = 80;
 constexpr int kIoPriority = 70;
+/// The tape holds seconds; it is emptied this often.
+constexpr auto kRecordPeriod = std::chrono::milliseconds{50};
 
 std::int64_t monotonic_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
@@ -35,12 +39,16 @@ struct Gateway::Impl {
         clock(clock_in),
         network(io, clock),
         devices(c, network, local, schedule),
-        control(c, local, schedule, monotonic_ns),
+        tape(c.record.inputs.empty() ? nullptr : std::make_unique<record::RunTape>(c.record.outputs_every)),
+        control(c, local, schedule, monotonic_ns, tape.get()),
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),
         dds(c.bus, local),
         driver_timer(io) {
+    if (tape) {
+      recorder.emplace(record::unused_name(c.record.inputs), *tape, c.effective, c.record.zstd_level);
+    }
     dds.out<topic::Mru>();
     dds.out<topic::Bodies>();
     dds.out<topic::ArmState>();
@@ -83,6 +91,17 @@ struct Gateway::Impl {
     }
   }
 
+  /// Writes down what the control thread left on the tape. Waits for nobody, nobody waits for it.
+  void run_recorder() {
+    while (!recorded.load(std::memory_order_acquire)) {
+      std::this_thread::sleep_for(kRecordPeriod);
+      (void)recorder->drain();
+      if (recorder->trouble()) recorder_failed.store(true, std::memory_order_release);
+    }
+    recorder->finish();
+    if (recorder->trouble()) recorder_failed.store(true, std::memory_order_release);
+  }
+
   void run_io(std::promise<std::string> told) {
     told.set_value(become_real_time("io", kIoPriority, config.io_cpu));
     arm_driver_timer();
@@ -122,6 +141,7 @@ struct Gateway::Impl {
   boost::asio::io_context io{1};
   AsioNetwork network;
   Devices devices;
+  std::unique_ptr<record::RunTape> tape;  ///< null: nothing is recorded
   ControlLoop control;
   bus::Subscription<topic::Event> events;
   bus::Reader<topic::Mode> modes;
@@ -130,6 +150,10 @@ struct Gateway::Impl {
   boost::asio::steady_timer driver_timer;
   std::thread io_thread;
   std::thread control_thread;
+  std::optional<record::RunRecorder> recorder;
+  std::thread record_thread;
+  std::atomic<bool> recorded{false};  ///< the control thread has taken its last step
+  std::atomic<bool> recorder_failed{false};
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> missed{0};
 };
@@ -147,6 +171,7 @@ std::vector<std::string> Gateway::start() {
   };
   note(lock_memory());
   impl_->dds.start();
+  if (impl_->recorder) impl_->record_thread = std::thread(&Impl::run_recorder, impl_.get());
   note(impl_->launch(impl_->io_thread, &Impl::run_io));
   note(impl_->launch(impl_->control_thread, &Impl::run_control));
   return refused;
@@ -173,6 +198,8 @@ bool Gateway::stop(Nanoseconds patience) {
       end);
   g.stopping.store(true);
   g.control_thread.join();
+  g.recorded.store(true, std::memory_order_release);
+  if (g.record_thread.joinable()) g.record_thread.join();
   boost::asio::post(g.io, [&g] { g.io.stop(); });
   g.io_thread.join();
   g.dds.stop();
@@ -189,6 +216,21 @@ topic::Mode Gateway::mode() const {
 
 void Gateway::for_each_health(const std::function<void(const topic::Health&)>& each) const {
   impl_->local.for_each_newest<topic::Health>(each);
+}
+
+std::optional<std::filesystem::path> Gateway::recording() const {
+  if (!impl_->recorder) return std::nullopt;
+  return impl_->recorder->file();
+}
+
+std::optional<std::string> Gateway::recording_trouble() const {
+  if (!impl_->recorder) return std::nullopt;
+  const auto& file = impl_->recorder->file();
+  if (impl_->recorder_failed.load(std::memory_order_acquire)) return record::RunRecorder::full(file);
+  if (impl_->tape->lost() > 0)
+    return "the recording " + file.string() +
+           " has gaps: its disk is too slow; record to another, or raise [record] outputs_every";
+  return std::nullopt;
 }
 
 std::uint64_t Gateway::missed_beats() const {

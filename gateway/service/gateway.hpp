@@ -1,9 +1,13 @@
 /// @file  The gateway in real time: the threads, and who may touch what.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/core/time.hpp"
 #include "gateway/service/gateway_config.hpp"
@@ -13,8 +17,9 @@
 
 namespace motionlab::service {
 
-/// Runs the threads `io` (sockets, drivers), `control` (snapshot to guard) and `bus` (DDS) until told to
-/// stop. They share nothing but the local bus and the arm's schedule, both free of locks.
+/// Runs the threads `io` (sockets, drivers), `control` (snapshot to guard), `bus` (DDS) and, where it is
+/// asked for, the one that writes the recording, until told to stop. They share nothing but the local bus,
+/// the arm's schedule and the tape of the recording, all free of locks.
 class Gateway {
  public:
   /// Opens every socket and joins DDS. @throws StartupError before any thread runs
@@ -35,6 +40,10 @@ class Gateway {
   [[nodiscard]] topic::Mode mode() const;
   /// The newest health of every device.
   void for_each_health(const std::function<void(const topic::Health&)>& each) const;
+  /// The file that the control thread's inputs are written to, if any.
+  [[nodiscard]] std::optional<std::filesystem::path> recording() const;
+  /// What is wrong with that file, as a sentence; nothing when all is well.
+  [[nodiscard]] std::optional<std::string> recording_trouble() const;
   /// Control periods that were slept through since the start.
   [[nodiscard]] std::uint64_t missed_beats() const;
 

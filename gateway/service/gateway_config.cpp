@@ -234,6 +234,15 @@ ModeRules mode_rules(const TomlTable& root) {
   return rules;
 }
 
+RecordRule record_rule(const TomlTable& root) {
+  const TomlTable t = root.table("record");
+  RecordRule rule;
+  rule.inputs = t.text("inputs");
+  rule.outputs_every = static_cast<std::uint32_t>(t.integer("outputs_every", {1, 1'000'000}));
+  rule.zstd_level = static_cast<int>(t.integer("zstd_level", {0, 19}));
+  return rule;
+}
+
 math::CraneArmGeometry arm_geometry(const TomlTable& t) {
   constexpr Range length{0.0, 5.0};
   return {t.number("a1_m", length), t.number("a2_m", length), t.number("a3_m", length),
@@ -269,12 +278,7 @@ estimator::Belief belief(const TomlTable& root, const math::CraneArmGeometry& ar
   return belief;
 }
 
-}  // namespace
-
-GatewayConfig load_gateway_config(const std::filesystem::path& file,
-                                  const std::vector<std::filesystem::path>& overlays,
-                                  const std::vector<TomlText>& texts) {
-  const TomlDocument document = TomlDocument::load(file, overlays, texts);
+GatewayConfig read(const TomlDocument& document) {
   const TomlTable root = document.root();
   GatewayConfig config;
   config.effective = document.effective();
@@ -340,11 +344,24 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
                          arm.number("servo_delay_s", {0.0, 0.1})};
   config.keeper.identifier.memory_s = arm.number("servo_memory_s", {0.0, 3600.0});
   config.keeper.command_period_s = config.comau.driver.command_period_s;
+  config.record = record_rule(root);
   config.p_world_load_reference_m = root.table("reference").numbers<3>("p_world_load_m", {-20.0, 20.0});
 
   config.set_platform_tracked(tracked);
   document.refuse_unknown_keys();
   return config;
+}
+
+}  // namespace
+
+GatewayConfig load_gateway_config(const std::filesystem::path& file,
+                                  const std::vector<std::filesystem::path>& overlays,
+                                  const std::vector<TomlText>& texts) {
+  return read(TomlDocument::load(file, overlays, texts));
+}
+
+GatewayConfig parse_gateway_config(const TomlText& text) {
+  return read(TomlDocument::parse(text));
 }
 
 void GatewayConfig::set_platform_tracked(bool tracked) {

@@ -56,6 +56,13 @@ struct WinchLink {
   LinkRule rule;
 };
 
+/// What is written down of the control thread, see gateway/record.
+struct RecordRule {
+  std::string inputs;               ///< the file; empty: nothing is written
+  std::uint32_t outputs_every = 1;  ///< of what is published, every so many steps are kept
+  int zstd_level = 3;               ///< 0: not compressed
+};
+
 /// Which controller moves the crane.
 enum class ControlLaw {
   ours,      ///< keeps the load still in the world (LoadKeeper)
@@ -85,6 +92,7 @@ struct GatewayConfig {
   controller::LoadKeeperConfig keeper;
   controller::GuardLimits limits;
   ModeRules modes;
+  RecordRule record;
   std::array<double, 3> p_world_load_reference_m{};
   /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas
   /// are checked against them before they are run.
@@ -101,6 +109,9 @@ struct GatewayConfig {
 GatewayConfig load_gateway_config(const std::filesystem::path& file,
                                   const std::vector<std::filesystem::path>& overlays = {},
                                   const std::vector<TomlText>& texts = {});
+
+/// Reads one whole text, such as the effective configuration of a recording. @throws StartupError likewise
+GatewayConfig parse_gateway_config(const TomlText& text);
 
 /// Who listens where and who is spoken to, one line each, for people.
 [[nodiscard]] std::string wiring(const GatewayConfig& config);

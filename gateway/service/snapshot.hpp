@@ -1,17 +1,21 @@
-/// @file  The newest samples at one time, each with its age: asynchrony ends here.
+/// @file  What enters a control step, gathered once, and what is known then: asynchrony ends here.
 #pragma once
 
 #include <optional>
 
 #include "drivers/core/time.hpp"
 #include "gateway/bus/local_bus.hpp"
+#include "gateway/service/devices.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "idl/snapshot.hpp"
 #include "idl/topics.hpp"
 
 namespace motionlab::service {
 
+/// The newest samples at one time, each with its age.
 struct Snapshot {
   LabTime t{};
+  LabTime t_next_send{};  ///< when the arm's next command leaves
   std::optional<topic::Mru> mru;
   std::optional<topic::Bodies> load;
   std::optional<topic::Bodies> platform;
@@ -37,33 +41,40 @@ template <class Sample>
 /// The gateway's own name among those who command.
 inline constexpr std::string_view kGatewayRequester = "motionlab-gateway";
 
-/// Takes snapshots from the bus. Wait-free; one thread.
-class Snapshots {
+/// Gathers everything that a control step depends on, from bus and arm schedule: what is not in here cannot
+/// change what the step does, so that a recording of it can be run again. Wait-free; one thread.
+class Inputs {
  public:
-  Snapshots(const GatewayConfig& config, bus::LocalBus& local);
-  /// @param controller  whose commands are taken up; empty: nobody's
-  [[nodiscard]] Snapshot at(LabTime t, const Text<32>& controller);
+  Inputs(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule);
+
+  /// What is new since the last call. Lives until the next. `outputs_crc` is the caller's to fill.
+  [[nodiscard]] topic::Snapshot& gather(LabTime t);
+  /// Adds what this controller wants to what was gathered; empty: there is none.
+  void gather_commands_of(const Text<32>& controller);
 
  private:
-  /// Keeps the last sample for the moment in which a reader is overtaken by its writer.
-  template <class T>
-  struct Source {
-    bus::Reader<T> reader;
-    std::optional<T> last;
-    const std::optional<T>& newest() {
-      if (auto sample = reader.newer()) last = *sample;
-      return last;
-    }
-  };
-
-  Source<topic::Mru> mru_;
-  Source<topic::Bodies> load_;
-  Source<topic::Bodies> platform_;
-  Source<topic::ArmState> arm_;
-  Source<topic::WinchState> winch_;
-  Source<topic::Mru> second_mru_;
+  bus::Reader<topic::Mru> mru_;
+  bus::Reader<topic::Bodies> load_;
+  bus::Reader<topic::Bodies> platform_;
+  bus::Reader<topic::ArmState> arm_;
+  bus::Reader<topic::WinchState> winch_;
+  bus::Reader<topic::Mru> second_mru_;
+  bus::Subscription<topic::ModeRequest> requests_;
+  bus::Subscription<topic::Reference> references_;
+  ArmSchedule& schedule_;
   const bus::LocalBus& local_;
   Text<32> arm_name_, winch_name_;
+  topic::Snapshot inputs_;
+};
+
+/// Remembers the newest of each source.
+class Newest {
+ public:
+  /// What is known after these inputs. Lives until the next call.
+  const Snapshot& take(const topic::Snapshot& inputs);
+
+ private:
+  Snapshot now_;
 };
 
 }  // namespace motionlab::service

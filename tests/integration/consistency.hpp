@@ -48,7 +48,9 @@ struct ConsistencyOfRun {
 class JudgedLine : public Line {
  public:
   explicit JudgedLine(const lockstep::Config& config)
-      : Line(config), snapshots_(config.gateway, lockstep().bus()), estimator_(config.gateway.belief) {
+      : Line(config),
+        inputs_(config.gateway, lockstep().bus(), nothing_sent_),
+        estimator_(config.gateway.belief) {
     const math::Matrix3d& R_WN = config.gateway.belief.calibration.X_WN.R;
     R_WD_.col(2) = -Eigen::Vector3d::UnitZ();
     R_WD_.col(0) = Eigen::Vector3d(R_WN(0, 0), R_WN(1, 0), 0).normalized();
@@ -60,7 +62,7 @@ class JudgedLine : public Line {
     ConsistencyOfRun sum;
     while (now_s() < end_s - 1e-9) {
       step();
-      const auto now = snapshots_.at(this->now(), "");
+      const auto& now = newest_.take(inputs_.gather(this->now()));
       estimate_ =
           estimator_.step({now.t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
       if (now_s() >= from_s) compare(sum);
@@ -91,7 +93,9 @@ class JudgedLine : public Line {
     }
   }
 
-  service::Snapshots snapshots_;
+  service::ArmSchedule nothing_sent_;
+  service::Inputs inputs_;
+  service::Newest newest_;
   estimator::LabEstimator estimator_;
   topic::Estimate estimate_;
   math::Matrix3d R_WD_;

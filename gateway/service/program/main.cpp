@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,9 +77,11 @@ int serve(const service::GatewayConfig& config) {
   for (const auto& note : config.notes) spdlog::warn("{}", note);
   for (const auto& refused : gateway.start()) spdlog::warn("{}", refused);
   spdlog::info("running\n{}", service::wiring(config));
+  if (const auto file = gateway.recording()) spdlog::info("recording to {}", file->string());
   sd_notify(0, "READY=1");
 
   LinkLog links;
+  std::optional<std::string> trouble;
   LabTime next_look = clock.now();
   for (;;) {
     constexpr timespec kPoll{0, 100'000'000};
@@ -88,6 +91,10 @@ int serve(const service::GatewayConfig& config) {
     if (clock.now() < next_look) continue;
     next_look = clock.now() + 1s;
     clock.discipline();
+    if (const auto now = gateway.recording_trouble(); now && now != trouble) {
+      trouble = now;
+      spdlog::error("{}", *trouble);
+    }
     const topic::Mode mode = gateway.mode();
     sd_notifyf(0, "STATUS=%s: %s", std::string(to_string(mode.state)).c_str(), mode.reason.str().c_str());
   }

@@ -15,12 +15,18 @@ std::int64_t monotonic_ns() {
 
 Lockstep::Lockstep(const Config& config)
     : network_(clock_),
+      tape_(config.gateway.record.inputs.empty()
+                ? nullptr
+                : std::make_unique<record::RunTape>(config.gateway.record.outputs_every)),
       lab_(config.lab, network_, LabTime{}),
       devices_(config.gateway, network_, bus_, schedule_),
       control_(config.gateway, bus_, schedule_,
-               config.timing ? std::function<std::int64_t()>(monotonic_ns) : std::function<std::int64_t()>()),
+               config.timing ? std::function<std::int64_t()>(monotonic_ns) : std::function<std::int64_t()>(),
+               tape_.get()),
       requests_(bus_.advertise<topic::ModeRequest>()),
       period_(from_seconds(config.gateway.control_period_s)) {
+  const auto& rule = config.gateway.record;
+  if (tape_) recorder_.emplace(rule.inputs, *tape_, config.gateway.effective, rule.zstd_level);
   std::vector<lab::PlannedFault> plans = config.lab.faults;
   plans.insert(plans.end(), config.faults.begin(), config.faults.end());
   for (const auto& plan : plans) {
@@ -68,6 +74,13 @@ void Lockstep::step() {
   devices_.step(end);
   network_.deliver_due(end);
   control_.step(end);
+  if (recorder_) (void)recorder_->drain();
+}
+
+void Lockstep::finish_recording() {
+  if (!recorder_) return;
+  recorder_->finish();
+  if (const auto trouble = recorder_->trouble()) throw StartupError(*trouble);
 }
 
 }  // namespace motionlab::lockstep

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "drivers/core/memory_network.hpp"
 #include "drivers/core/time.hpp"
 #include "gateway/bus/local_bus.hpp"
+#include "gateway/record/run_recorder.hpp"
+#include "gateway/record/run_tape.hpp"
 #include "gateway/service/control_loop.hpp"
 #include "gateway/service/devices.hpp"
 #include "simulators/lab/fault_plan.hpp"
@@ -25,6 +28,7 @@ struct Config {
 
 /// Runs gateway and laboratory side by side, faster than time. Both are the objects that run in real time;
 /// between them lies the memory network instead of sockets. The same configuration gives the same bytes.
+/// Where the gateway's configuration names a recording it is written, over one of that name.
 class Lockstep {
  public:
   explicit Lockstep(const Config& config);
@@ -40,6 +44,9 @@ class Lockstep {
   /// Asks for a mode as a user would, by `motionlab/mode_request`.
   void request(topic::ModeAction action);
 
+  /// Ends the recording, if there is one. @throws StartupError when it could not be written
+  void finish_recording();
+
  private:
   struct RunningFault {
     lab::PlannedFault plan;
@@ -51,6 +58,8 @@ class Lockstep {
   MemoryNetwork network_;
   bus::LocalBus bus_;
   service::ArmSchedule schedule_;
+  std::unique_ptr<record::RunTape> tape_;
+  std::optional<record::RunRecorder> recorder_;
   lab::SimulatedLab lab_;
   service::Devices devices_;
   service::ControlLoop control_;

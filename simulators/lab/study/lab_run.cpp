@@ -93,6 +93,21 @@ topic::Reference set_point(const ReferencePlan& plan, LabTime t, const math::Rig
   return set;
 }
 
+/// What the words of the command line change in lab.toml: as texts, so that the effective configuration, from
+/// which a recording is run again, has it.
+std::vector<TomlText> laid_over(const LabRun& run) {
+  std::vector<TomlText> texts;
+  const auto lay = [&texts](const std::string& option, const std::string& text) {
+    texts.push_back({option, text});
+  };
+  lay("--platform", "control.platform = \"" + run.platform + '"');
+  if (!run.limits.empty()) lay("--limits", "limits.platform = \"" + run.limits + '"');
+  if (run.controller == "integral") lay("--controller", "control.law = \"integral\"");
+  // Without noise a sensor at rest repeats itself.
+  if (run.sensors == "ideal") lay("--sensors", "mru1.stuck_after_s = 0\nmru2.stuck_after_s = 0");
+  return texts;
+}
+
 }  // namespace
 
 lockstep::Config configure(const LabRun& run) {
@@ -102,8 +117,10 @@ lockstep::Config configure(const LabRun& run) {
   const auto lab_toml = run.config.empty() ? find_config("lab.toml") : std::filesystem::path(run.config);
   const auto world_toml =
       run.world_config.empty() ? find_config("world.toml") : std::filesystem::path(run.world_config);
-  const auto settings = lab::Settings::parse(run.settings);
+  auto settings = lab::Settings::parse(run.settings);
+  for (const auto& text : laid_over(run)) settings.lab.push_back(text);
   config.gateway = service::load_gateway_config(lab_toml, {find_config("loopback.toml")}, settings.lab);
+  if (!run.record.empty()) config.gateway.record.inputs = run.record;
   config.lab = lab::LabConfig::load(world_toml, {}, settings.world);
   config.lab.set_scenario(run.scenario);
   config.lab.seed = run.seed;
@@ -112,20 +129,12 @@ lockstep::Config configure(const LabRun& run) {
   } else if (frame_of(run) == topic::ReferenceFrame::em1500) {
     config.lab.set_second_ship("sea");
   }
-  if (!run.limits.empty()) config.gateway.platform_limits = run.limits;
   config.lab.refuse_beyond(config.gateway.platform_limits == "plc" ? plant::PlatformLimits::plc()
                                                                    : plant::PlatformLimits::mechanical(),
                            run.seconds);
-  if (run.controller == "integral") config.gateway.law = service::ControlLaw::integral;
-  const bool tracked = run.platform == "tracked";
-  config.lab.set_platform_tracked(tracked);
-  config.gateway.set_platform_tracked(tracked);
+  config.lab.set_platform_tracked(run.platform == "tracked");
   if (run.differences == "off") config.lab.use_belief_as_world();
-  if (run.sensors == "ideal") {
-    config.lab.use_perfect_sensors();
-    // Without noise a sensor at rest repeats itself.
-    for (auto& mru : config.gateway.mrus) mru.driver.stuck_after_s = 0.0;
-  }
+  if (run.sensors == "ideal") config.lab.use_perfect_sensors();
   for (const auto& text : run.faults) config.faults.push_back(lab::PlannedFault::parse(text));
   config.timing = run.timing;
   return config;
@@ -165,7 +174,8 @@ LabOutcome run_lab(const LabRun& run, const LabObserver& observer) {
   LabOutcome outcome;
   Watch watch(config.gateway, end - kLastWindow);
   ReferencePlan plan(run.reference, frame_of(run),
-                     Eigen::Map<const Eigen::Vector3d>(config.gateway.p_world_load_reference_m.data()));
+                     Eigen::Map<const Eigen::Vector3d>(config.gateway.p_world_load_reference_m.data()),
+                     run.reference_from_s);
   auto references = line.bus().advertise<topic::Reference>();
   while (line.now() < end) {
     if (!engaged && line.now() >= engage_at) {
@@ -196,6 +206,7 @@ LabOutcome run_lab(const LabRun& run, const LabObserver& observer) {
     }
   }
   line.bus().for_each_newest<topic::Health>([&scorer](const topic::Health& health) { scorer.take(health); });
+  line.finish_recording();
   scorer.run_until(end);
   outcome.report = scorer.report();
   return outcome;

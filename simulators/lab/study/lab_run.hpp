@@ -26,11 +26,13 @@ struct LabRun {
   std::string differences = "on";
   std::string limits;              ///< which the sea has to keep, mechanical or plc; empty: as configured
   std::string reference = "hold";  ///< see ReferencePlan
+  double reference_from_s = 30;    ///< when it begins to move
   std::string reference_frame = "world";  ///< what carries the reference; or em1500
   std::string second_ship;  ///< scenario of the second ship; empty: sea if it carries the reference, else as
                             ///< configured
   std::vector<std::string> faults;    ///< as PlannedFault::parse takes them
   std::vector<std::string> settings;  ///< as Settings::parse takes them
+  std::string record;                 ///< file for the control thread's inputs; empty: as configured
   std::uint64_t seed = 1;
   double seconds = 60;
   double engage_at_s = 10;

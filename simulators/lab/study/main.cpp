@@ -9,9 +9,11 @@
 
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/report.hpp"
+#include "gateway/service/replay.hpp"
 #include "simulators/lab/study/figures.hpp"
 #include "simulators/lab/study/lab_run.hpp"
 #include "simulators/lab/study/option_words.hpp"
+#include "simulators/lab/study/replay_report.hpp"
 #include "simulators/lab/study/robustness_table.hpp"
 #include "simulators/lab/study/source_table.hpp"
 #include "simulators/lab/study/thesis_words.hpp"
@@ -32,6 +34,7 @@ struct Options {
   std::string table;
   std::string figures;
   std::string report;
+  std::string replay;
 };
 
 void list() {
@@ -65,6 +68,13 @@ void write_figures(const CLI::App& app, const Options& options) {
   std::cout << "open " << (std::filesystem::path(options.figures) / "index.html").string() << '\n';
 }
 
+void write_file(const std::string& name, const std::string& text) {
+  std::ofstream file(name, std::ios::binary);
+  file << text;
+  if (!file.flush())
+    throw StartupError("cannot write " + name + "; choose a folder that exists and is writable");
+}
+
 std::string report(const CLI::App& app, const Options& options) {
   if (options.thesis.wanted()) {
     return monitor::to_json(thesis::report(choose(study::thesis_request(app, options.lab, options.thesis))));
@@ -80,6 +90,15 @@ std::string answer(const CLI::App& app, const Options& options) {
   if (options.table == "robustness") return study::robustness_table(each);
   if (options.table == "sources") return study::source_table(each);
   return report(app, options);
+}
+
+/// Runs a recording again. @returns the exit code
+int replay(const CLI::App& app, const Options& options) {
+  study::allow_only(app, "replay", "--replay", {"report"});
+  const service::ReplayOutcome outcome = service::replay(options.replay);
+  std::cout << service::describe(outcome) << '\n';
+  if (!options.report.empty()) write_file(options.report, study::replay_json(outcome));
+  return outcome.difference ? 1 : 0;
 }
 
 }  // namespace
@@ -133,6 +152,9 @@ int main(int argc, char** argv) {
                  "where the load is asked to be: hold, step, sine or follow (--list)")
       ->check(CLI::IsMember({"hold", "step", "sine", "follow"}))
       ->capture_default_str();
+  app.add_option("--reference-from", options.lab.reference_from_s, "s since the start, when it begins to move")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
   app.add_option("--reference-frame", options.lab.reference_frame, "what carries that place")
       ->check(CLI::IsMember({"world", "em1500"}))
       ->capture_default_str();
@@ -144,6 +166,11 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.lab.config,
                  "lab.toml; default: found in deploy/config or /etc/motionlab");
   app.add_option("--world-config", options.lab.world_config, "world.toml; likewise");
+  app.add_option("--record", options.lab.record,
+                 "write what the control thread takes in and gives out into this MCAP file");
+  app.add_option("--replay", options.replay,
+                 "run such a file, of the study or of motionlab-gateway, through estimator, controller and guard "
+                 "again; exit code 0 only if everything comes out the same to the bit");
   app.add_option("--report", options.report, "write the report here; default: standard output");
   app.add_flag("--timing", options.lab.timing,
                "measure control steps (the report then differs from run to run)");
@@ -153,6 +180,7 @@ int main(int argc, char** argv) {
       list();
       return 0;
     }
+    if (!options.replay.empty()) return replay(app, options);
     if (!options.figures.empty()) {
       write_figures(app, options);
       return 0;
@@ -162,10 +190,7 @@ int main(int argc, char** argv) {
       std::cout << text;
       return 0;
     }
-    std::ofstream file(options.report, std::ios::binary);
-    file << text;
-    if (!file.flush())
-      throw StartupError("cannot write " + options.report + "; choose a folder that exists and is writable");
+    write_file(options.report, text);
     return 0;
   } catch (const StartupError& error) {
     std::cerr << "motionlab-study: " << error.what() << '\n';

@@ -12,26 +12,28 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBegins_s = 30;
 constexpr double kTurn = 2 * std::numbers::pi;
 
-Vector3d stepped(double t) {
-  if (t >= 90) return Vector3d::Zero();
-  return {t >= 30 ? 0.15 : 0.0, t >= 50 ? 0.15 : 0.0, t >= 70 ? -0.2 : 0.0};
+/// @param moving  s since it began
+Vector3d stepped(double moving) {
+  if (moving >= 60) return Vector3d::Zero();
+  return {moving >= 0 ? 0.15 : 0.0, moving >= 20 ? 0.15 : 0.0, moving >= 40 ? -0.2 : 0.0};
 }
 
 }  // namespace
 
-ReferencePlan::ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Vector3d& p_WL)
+ReferencePlan::ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Vector3d& p_WL,
+                             double begins_s)
     : kind_(static_cast<Kind>(std::distance(std::begin(kNames), std::ranges::find(kNames, name)))),
       frame_(frame),
       p_WL_(p_WL),
+      begins_s_(begins_s),
       told_{p_WL, Vector3d::Zero(), topic::ReferenceFrame::world} {}
 
 ReferencePlan::Place ReferencePlan::at(LabTime t) const {
-  const double s = seconds(t.time_since_epoch()), moving = s - kBegins_s;
+  const double moving = seconds(t.time_since_epoch()) - begins_s_;
   Place place{p_WL_, Vector3d::Zero(), moving < 0 ? topic::ReferenceFrame::world : frame_};
-  if (kind_ == Kind::step) place.p_WL += stepped(s);
+  if (kind_ == Kind::step) place.p_WL += stepped(moving);
   if (moving < 0 || kind_ == Kind::hold || kind_ == Kind::step) return place;
   if (kind_ == Kind::sine) {
     const Vector3d size(0.10, 0.08, 0.10), omega = kTurn * Vector3d(0.05, 0.07, 0.04);

@@ -10,19 +10,19 @@
 
 namespace motionlab::study {
 
-/// References by name, as a user's program would send them. Until 30 s the load is asked to be where the
-/// configuration says, in world; then
+/// References by name, as a user's program would send them. At first, by default until 30 s, the load is asked
+/// to be where the configuration says, in world; then
 ///  - hold: still there;
-///  - step: 0.15 m on in x at 30 s, in y at 50 s, 0.2 m down at 70 s, all back at 90 s; each told once;
+///  - step: 0.15 m on in x at once, in y 20 s later, 0.2 m down 40 s, all back 60 s later; each told once;
 ///  - sine: 0.10, 0.08 and 0.10 m at 0.05, 0.07 and 0.04 Hz, told with its velocity every 10 ms;
 ///  - follow: a circle of 0.12 m in 30 s, told with its velocity every 100 ms.
-/// From 30 s on the second ship carries the place, if it is asked to.
+/// From then on the second ship carries the place, if it is asked to.
 class ReferencePlan {
  public:
   static constexpr std::string_view kNames[] = {"hold", "step", "sine", "follow"};
 
   /// @param name  one of `kNames`
-  ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Eigen::Vector3d& p_WL);
+  ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Eigen::Vector3d& p_WL, double begins_s);
 
   struct Place {
     Eigen::Vector3d p_WL;  ///< with the second ship at neutral, if it carries the place
@@ -38,6 +38,7 @@ class ReferencePlan {
   enum class Kind { hold, step, sine, follow } kind_;
   topic::ReferenceFrame frame_;
   Eigen::Vector3d p_WL_;
+  double begins_s_;
   LabTime due_{};
   Place told_;  ///< at first what the configuration says
   std::uint64_t sent_ = 0;
