@@ -17,9 +17,9 @@
 
 namespace motionlab::service {
 
-/// Runs the threads `io` (sockets, drivers), `control` (snapshot to guard), `bus` (DDS) and, where it is asked
-/// for, the one that writes the recording, until told to stop. They share nothing but the local bus, the arm's
-/// schedule and the tape of the recording, all free of locks.
+/// Runs the threads `io` (sockets, drivers), `control` (snapshot to guard), `bus` (DDS) and, where it is
+/// asked for, the one that writes the recording, until told to stop. They share nothing but the local bus,
+/// the arm's schedule and the tape of the recording, all free of locks.
 class Gateway {
  public:
   /// Opens every socket and joins DDS. @throws StartupError before any thread runs

@@ -58,9 +58,9 @@ struct WinchLink {
 
 /// What is written down of the control thread, see gateway/record.
 struct RecordRule {
-  std::string inputs;                ///< the file; empty: nothing is written
-  std::uint32_t outputs_every = 1;   ///< of what is published, every so many steps are kept
-  int zstd_level = 3;                ///< 0: not compressed
+  std::string inputs;               ///< the file; empty: nothing is written
+  std::uint32_t outputs_every = 1;  ///< of what is published, every so many steps are kept
+  int zstd_level = 3;               ///< 0: not compressed
 };
 
 /// Which controller moves the crane.

@@ -66,7 +66,8 @@ class Replay {
     }
     if (!end_step()) return false;
     if (const Status read = record::read_cdr(message.data, inputs_); !read)
-      refuse("is damaged at step " + std::to_string(outcome_.steps + 1) + ": " + std::string(read.fault().text));
+      refuse("is damaged at step " + std::to_string(outcome_.steps + 1) + ": " +
+             std::string(read.fault().text));
     return begin_step();
   }
 
@@ -79,9 +80,7 @@ class Replay {
     return std::move(outcome_);
   }
 
-  [[noreturn]] void refuse(const std::string& why) const {
-    throw StartupError(file_.string() + ' ' + why);
-  }
+  [[noreturn]] void refuse(const std::string& why) const { throw StartupError(file_.string() + ' ' + why); }
 
  private:
   static std::optional<RunKind> kind_of(std::string_view topic) {
@@ -107,12 +106,18 @@ class Replay {
     if (!loop_) build();
     if (inputs_.sequence_number != outcome_.steps + 1) {
       refuse("has step " + std::to_string(inputs_.sequence_number) + " where step " +
-             std::to_string(outcome_.steps + 1) + " should be; only a recording from the first step on, without "
+             std::to_string(outcome_.steps + 1) +
+             " should be; only a recording from the first step on, without "
              "gaps, can be run again");
     }
     if (inputs_.outputs_crc != (outcome_.steps == 0 ? 0 : tape_->outputs_crc()) && !unequal_) {
-      unequal_ = Difference{outcome_.steps, stepped_, {}, {}, std::to_string(inputs_.outputs_crc),
-                            std::to_string(tape_->outputs_crc()), outcome_.steps};
+      unequal_ = Difference{outcome_.steps,
+                            stepped_,
+                            {},
+                            {},
+                            std::to_string(inputs_.outputs_crc),
+                            std::to_string(tape_->outputs_crc()),
+                            outcome_.steps};
     }
     loop_->step(inputs_);
     ++outcome_.steps;
@@ -132,8 +137,8 @@ class Replay {
     for (std::size_t i = 0; i < both && !outcome_.difference; ++i) compare(recorded_[i], replayed_[i]);
     if (!outcome_.difference && recorded_.size() != replayed_.size()) {
       const bool missing = recorded_.size() > replayed_.size();
-      differ(missing ? recorded_[both].kind : replayed_[both].kind, "", missing ? "published" : "not published",
-             missing ? "not published" : "published");
+      differ(missing ? recorded_[both].kind : replayed_[both].kind, "",
+             missing ? "published" : "not published", missing ? "not published" : "published");
     }
     recorded_.clear();
     return !outcome_.difference;
@@ -164,9 +169,12 @@ class Replay {
   void differ(RunKind kind, std::string field, std::string recorded, std::string replayed) {
     std::string topic;
     record::for_run_type(kind, [&]<class T>() { topic = record::run_topic<T>(); });
-    outcome_.difference = Difference{outcome_.steps,      stepped_,
-                                     std::move(topic),    std::move(field),
-                                     std::move(recorded), std::move(replayed),
+    outcome_.difference = Difference{outcome_.steps,
+                                     stepped_,
+                                     std::move(topic),
+                                     std::move(field),
+                                     std::move(recorded),
+                                     std::move(replayed),
                                      unequal_ ? unequal_->step : outcome_.steps};
   }
 

@@ -22,16 +22,16 @@ struct Difference {
 };
 
 struct ReplayOutcome {
-  std::uint64_t steps = 0;            ///< taken
+  std::uint64_t steps = 0;             ///< taken
   std::uint64_t outputs_compared = 0;  ///< whole samples, besides the checksum of each step
-  bool cut_off = false;               ///< the recording ends early, as when its writer died: replayed up to there
-  std::string version;                ///< which wrote it
+  bool cut_off = false;  ///< the recording ends early, as when its writer died: replayed up to there
+  std::string version;   ///< which wrote it
   std::optional<Difference> difference;
 };
 
-/// Takes the snapshots of a recording through estimator, controller and guard, built from the configuration in
-/// the file, and compares what they publish bit by bit. Stops at the first difference that it can name; a step
-/// of which no sample was kept is known by its checksum.
+/// Takes the snapshots of a recording through estimator, controller and guard, built from the configuration
+/// in the file, and compares what they publish bit by bit. Stops at the first difference that it can name; a
+/// step of which no sample was kept is known by its checksum.
 ///
 /// @throws StartupError when the file is no recording of a run, is damaged, has gaps or does not begin at the
 /// first step, with the reason
