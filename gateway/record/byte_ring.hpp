@@ -16,7 +16,8 @@ namespace motionlab::record {
 /// already is older and was promised first. Wait-free on both sides.
 class ByteRing {
  public:
-  /// @param capacity  in bytes, rounded up to a power of two; touched at once, so that pushing meets no new page
+  /// @param capacity  in bytes, rounded up to a power of two; touched at once, so that pushing meets no new
+  /// page
   explicit ByteRing(std::size_t capacity) : bytes_(std::bit_ceil(capacity)) {}
 
   /// Producer only. False when it does not fit.

@@ -16,7 +16,8 @@
 
 namespace motionlab::record {
 
-/// "qd_radps[2]" and its value, so written that two numbers have the same text only if they have the same bits.
+/// "qd_radps[2]" and its value, so written that two numbers have the same text only if they have the same
+/// bits.
 using FieldTexts = std::vector<std::pair<std::string, std::string>>;
 
 namespace detail {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include "gateway/record/crc32.hpp"
@@ -11,9 +12,10 @@
 namespace motionlab::record {
 namespace {
 
-constexpr Fault kTruncatedRecord{Reason::too_short, "a record is shorter than its fields; the file is damaged"};
-constexpr Fault kTooLarge{Reason::too_long,
-                          "a record or chunk is larger than 64 MiB; write the file again with smaller chunks"};
+constexpr Fault kTruncatedRecord{Reason::too_short,
+                                 "a record is shorter than its fields; the file is damaged"};
+constexpr Fault kTooLarge{
+    Reason::too_long, "a record or chunk is larger than 64 MiB; write the file again with smaller chunks"};
 constexpr Fault kBadChecksum{Reason::bad_checksum, "a checksum does not match; the file is damaged"};
 
 /// 32 bits of length, then the text.
@@ -42,11 +44,13 @@ Status unpack_zstd(Bytes from, std::uint64_t size, ByteBuffer& into) {
     void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
   };
   const std::unique_ptr<ZSTD_DCtx, Free> context(ZSTD_createDCtx());
+  if (!context) throw std::bad_alloc();
   ZSTD_inBuffer in{from.data(), from.size(), 0};
   into.clear();
   for (;;) {
     const std::size_t had = into.size();
-    into.resize(had + std::min<std::uint64_t>(kAtOnce, size - had) + 1);  // one more, to see that it is too long
+    into.resize(had + std::min<std::uint64_t>(kAtOnce, size - had) +
+                1);  // one more, to see that it is too long
     ZSTD_outBuffer out{into.data() + had, into.size() - had, 0};
     const std::size_t left = ZSTD_decompressStream(context.get(), &out, &in);
     into.resize(had + out.pos);
@@ -95,7 +99,8 @@ Result<std::optional<McapItem>> McapReader::next() {
 }
 
 McapReader::Step McapReader::read_start() {
-  if (!read_bytes(kMcapMagic.size(), record_) || !std::equal(record_.begin(), record_.end(), kMcapMagic.begin()))
+  if (!read_bytes(kMcapMagic.size(), record_) ||
+      !std::equal(record_.begin(), record_.end(), kMcapMagic.begin()))
     return Fault{Reason::bad_header, "this is not an MCAP file"};
   position_ += record_.size();
   crc_ = crc32(record_);
@@ -264,7 +269,8 @@ McapReader::Step McapReader::take_from_chunk() {
 
 McapReader::Step McapReader::take_footer() {
   ended_ = true;
-  if (!in_summary_) return Fault{Reason::unexpected, "the data has no end before the footer; the file is damaged"};
+  if (!in_summary_)
+    return Fault{Reason::unexpected, "the data has no end before the footer; the file is damaged"};
   if (!read_bytes(kMcapMagic.size(), record_)) return Item{};  // cut off in the last moment
   position_ += record_.size();
   if (!std::equal(record_.begin(), record_.end(), kMcapMagic.begin()))

@@ -22,7 +22,7 @@ struct McapSchema {
 
 struct McapChannel {
   std::string topic;
-  std::string encoding;             ///< of the messages
+  std::string encoding;                ///< of the messages
   const McapSchema* schema = nullptr;  ///< null: none
   StringMap metadata;
 };
@@ -50,8 +50,8 @@ struct McapMetadata {
 using McapItem = std::variant<McapMessage, McapAttachment, McapMetadata>;
 
 /// Goes through one file, front to back, without its indexes: a file whose writer died is read up to its last
-/// whole record. Whatever the bytes are, a call ends with an item, with the end, or with a fault; after a fault
-/// it says the same again. Takes memory for one record and one unpacked chunk, each limited.
+/// whole record. Whatever the bytes are, a call ends with an item, with the end, or with a fault; after a
+/// fault it says the same again. Takes memory for one record and one unpacked chunk, each limited.
 class McapReader {
  public:
   /// No record is longer, and no chunk is larger when it is unpacked.

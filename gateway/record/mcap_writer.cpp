@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "gateway/record/crc32.hpp"
@@ -18,7 +19,8 @@ std::uint64_t unsigned_ns(LabTime t) {
 
 template <class Id>
 Id next_id(Id& count) {
-  if (count == std::numeric_limits<Id>::max()) throw std::length_error("an MCAP file has 16 bits for its ids");
+  if (count == std::numeric_limits<Id>::max())
+    throw std::length_error("an MCAP file has 16 bits for its ids");
   return ++count;
 }
 
@@ -53,7 +55,9 @@ void McapWriter::Span::include(std::uint64_t ns) {
 }
 
 McapWriter::McapWriter(std::ostream& out, McapWriterOptions options)
-    : out_(out), options_(std::move(options)), compression_(options_.zstd_level > 0 ? kZstd : kNoCompression) {
+    : out_(out),
+      options_(std::move(options)),
+      compression_(options_.zstd_level > 0 ? kZstd : kNoCompression) {
   if (options_.zstd_level > 0) compressor_ = std::make_unique<Compressor>(options_.zstd_level);
   put(kMcapMagic);
   record_.clear();
@@ -136,8 +140,8 @@ void McapWriter::attachment(std::string_view name, std::string_view media_type, 
   record_.put(crc32(record_.bytes().subspan(head)));
   record_.end();
   put(record_);
-  attachments_.push_back({start, record_.size(), unsigned_ns(created), data.size(), std::string(name),
-                          std::string(media_type)});
+  attachments_.push_back(
+      {start, record_.size(), unsigned_ns(created), data.size(), std::string(name), std::string(media_type)});
 }
 
 void McapWriter::metadata(std::string_view name, const StringMap& values) {

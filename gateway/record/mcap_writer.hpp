@@ -19,14 +19,14 @@
 namespace motionlab::record {
 
 struct McapWriterOptions {
-  std::string profile;                      ///< of the MCAP registry; empty: none
-  std::string library = "motionlab";        ///< who writes
-  int zstd_level = 3;                       ///< 1 (fast) to 19 (small); 0: chunks are not compressed
-  std::size_t chunk_bytes = 1024 * 1024;    ///< a chunk ends when it has so many, uncompressed
+  std::string profile;                    ///< of the MCAP registry; empty: none
+  std::string library = "motionlab";      ///< who writes
+  int zstd_level = 3;                     ///< 1 (fast) to 19 (small); 0: chunks are not compressed
+  std::size_t chunk_bytes = 1024 * 1024;  ///< a chunk ends when it has so many, uncompressed
 };
 
-/// Writes one file to a stream, front to back; nothing written is ever changed. A file that ends early, because
-/// its process died, is readable up to its last whole chunk.
+/// Writes one file to a stream, front to back; nothing written is ever changed. A file that ends early,
+/// because its process died, is readable up to its last whole chunk.
 ///
 /// The stream is only asked whether it still takes bytes: after it refused some (a full disk) nothing more is
 /// written and `ok()` is false. One thread.
@@ -107,7 +107,8 @@ class McapWriter {
   RecordBuilder channels_;  ///< likewise
   RecordBuilder chunk_;     ///< the messages of the chunk that is being filled
   Span chunk_span_;
-  std::map<ChannelId, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;  ///< time, offset
+  std::map<ChannelId, std::vector<std::pair<std::uint64_t, std::uint64_t>>>
+      chunk_messages_;  ///< time, offset
 
   SchemaId schema_count_ = 0;
   ChannelId channel_count_ = 0;

@@ -18,13 +18,13 @@ RunRecorder::RunRecorder(const std::filesystem::path& file, RunTape& tape, std::
     throw StartupError("cannot write the recording " + file.string() + ": " + std::strerror(errno) +
                        "; choose a folder that exists and is writable");
   }
-  writer_.metadata(kRunMetadata, {{"version", MOTIONLAB_VERSION},
-                                  {"outputs_every", std::to_string(tape.outputs_every())}});
+  writer_.metadata(kRunMetadata,
+                   {{"version", MOTIONLAB_VERSION}, {"outputs_every", std::to_string(tape.outputs_every())}});
   writer_.attachment(kRunConfiguration, "application/toml", LabTime{}, as_bytes(configuration));
   for (RunKind kind = 0; kind < kRunKinds; ++kind) {
     for_run_type(kind, [&]<class T>() {
-      channels_[kind] = writer_.add_channel(
-          run_topic<T>(), "cdr", writer_.add_schema(T::kTypeName, "omgidl", topic::kSchema<T>));
+      channels_[kind] = writer_.add_channel(run_topic<T>(), "cdr",
+                                            writer_.add_schema(T::kTypeName, "omgidl", topic::kSchema<T>));
     });
   }
 }
@@ -59,7 +59,8 @@ std::size_t RunRecorder::drain() {
 
 void RunRecorder::finish() {
   (void)drain();
-  if (const std::uint64_t lost = tape_.lost(); lost != lost_) note_gap(lost - lost_, steps_ + lost - lost_ + 1);
+  if (const std::uint64_t lost = tape_.lost(); lost != lost_)
+    note_gap(lost - lost_, steps_ + lost - lost_ + 1);
   writer_.finish();
   out_.close();
 }
@@ -76,7 +77,8 @@ std::string RunRecorder::full(const std::filesystem::path& file) {
 std::filesystem::path unused_name(const std::filesystem::path& file) {
   std::filesystem::path name = file;
   for (int number = 2; std::filesystem::exists(name); ++number) {
-    name = file.parent_path() / (file.stem().string() + "-" + std::to_string(number) + file.extension().string());
+    name = file.parent_path() /
+           (file.stem().string() + "-" + std::to_string(number) + file.extension().string());
   }
   return name;
 }

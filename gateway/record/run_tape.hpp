@@ -75,8 +75,9 @@ struct SampleHead {
   std::uint32_t size;
 };
 
-/// The control thread's side: `begin`, `add` what is published, `end`; allocates nothing, locks nothing, waits
-/// for nobody. A step goes into the ring whole or is counted as lost. The other side takes steps from `ring()`.
+/// The control thread's side: `begin`, `add` what is published, `end`; allocates nothing, locks nothing,
+/// waits for nobody. A step goes into the ring whole or is counted as lost. The other side takes steps from
+/// `ring()`.
 class RunTape {
  public:
   /// Room for about three seconds at 1 kHz.

@@ -1,5 +1,5 @@
-// Any bytes as an MCAP file: read to an end or to a fault, in bounded memory. What comes out as a snapshot of the control thread
-// is read, too, and comes back the same from the bytes that its values make.
+// Any bytes as an MCAP file: read to an end or to a fault, in bounded memory. What comes out as a snapshot of
+// the control thread is read, too, and comes back the same from the bytes that its values make.
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>
@@ -21,7 +21,8 @@ void read_and_write(Bytes cdr) {
   if (size == 0) std::abort();
   if (!record::read_cdr(Bytes{written}.first(size), sample)) std::abort();
   if (record::write_cdr(sample, again) != size) std::abort();
-  if (!std::equal(written.begin(), written.begin() + static_cast<std::ptrdiff_t>(size), again.begin())) std::abort();
+  if (!std::equal(written.begin(), written.begin() + static_cast<std::ptrdiff_t>(size), again.begin()))
+    std::abort();
 }
 
 }  // namespace

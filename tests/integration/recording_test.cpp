@@ -15,12 +15,14 @@ class Recordings : public Processes {
  protected:
   void SetUp() override {
     Processes::SetUp();
-    write("gateway.toml", gateway_overlay() + "[record]\ninputs = \"" + file("run.mcap") + "\"\noutputs_every = 7\n");
+    write("gateway.toml",
+          gateway_overlay() + "[record]\ninputs = \"" + file("run.mcap") + "\"\noutputs_every = 7\n");
   }
   [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
   /// Replays and returns the exit code; the words go to `said_`.
   int replay(const std::string& name) {
-    Child study({MOTIONLAB_STUDY, "--replay", file(name), "--report", file("report.json")}, folder_ / "study.log");
+    Child study({MOTIONLAB_STUDY, "--replay", file(name), "--report", file("report.json")},
+                folder_ / "study.log");
     const auto code = study.exit_code(std::chrono::seconds{200});
     said_ = study.output();
     return code.value_or(-1000);

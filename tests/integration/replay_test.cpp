@@ -165,7 +165,8 @@ TEST_F(Replay, AnInputThatIsOneBitOffIsNoticed) {
   const auto file = record_briefly();
   const auto outcome = service::replay(changed(file, [](auto of, auto nth, auto& data) {
     topic::Snapshot inputs;
-    if (of != "motionlab/snapshot" || nth < 1000 || nth > 1010 || !record::read_cdr(data, inputs)) return true;
+    if (of != "motionlab/snapshot" || nth < 1000 || nth > 1010 || !record::read_cdr(data, inputs))
+      return true;
     if (inputs.mru.empty()) return true;
     topic::Mru mru = inputs.mru.back();
     mru.omega_mru_radps[0] = std::nextafter(mru.omega_mru_radps[0], 1.0);
@@ -186,7 +187,8 @@ TEST_F(Replay, WhereFewOutputsAreKeptTheChecksumTellsTheStepAndTheNextSampleTheF
   EXPECT_FALSE(service::replay(file).difference);
   const auto outcome = service::replay(changed(file, [](auto of, auto nth, auto& data) {
     topic::Snapshot inputs;
-    if (of != "motionlab/snapshot" || nth < 1050 || nth >= 1060 || !record::read_cdr(data, inputs)) return true;
+    if (of != "motionlab/snapshot" || nth < 1050 || nth >= 1060 || !record::read_cdr(data, inputs))
+      return true;
     if (inputs.arm.empty()) return true;
     topic::ArmState arm = inputs.arm.back();
     arm.q_rad[0] += 1e-3;
@@ -205,12 +207,12 @@ TEST_F(Replay, WhereFewOutputsAreKeptTheChecksumTellsTheStepAndTheNextSampleTheF
 
 TEST_F(Replay, ASampleMoreOrLessIsADifference) {
   const auto file = record_briefly();
-  const auto fewer = service::replay(changed(file, [](auto of, auto nth, auto&) {
-    return !(of == "motionlab/winch_command" && nth == 700);
-  }));
+  const auto fewer = service::replay(changed(
+      file, [](auto of, auto nth, auto&) { return !(of == "motionlab/winch_command" && nth == 700); }));
   ASSERT_TRUE(fewer.difference);
   EXPECT_EQ(fewer.difference->step, 701U);
-  const auto none = service::replay(changed(file, [](auto of, auto, auto&) { return of != "motionlab/event"; }));
+  const auto none =
+      service::replay(changed(file, [](auto of, auto, auto&) { return of != "motionlab/event"; }));
   ASSERT_TRUE(none.difference);
 }
 
@@ -233,12 +235,14 @@ TEST_F(Replay, ARecordingThatCannotBeRunAgainIsRefusedWithTheReason) {
   const auto file = record_briefly();
   EXPECT_THAT(refusal(changed(file, [](auto of, auto, auto&) { return of != "motionlab/snapshot"; })),
               HasSubstr("no control step"));
-  EXPECT_THAT(refusal(changed(file, [](auto of, auto nth, auto&) { return of != "motionlab/snapshot" || nth != 9; })),
-              HasSubstr("has step 11 where step 10 should be"));
-  EXPECT_THAT(refusal(changed(file, [](auto of, auto nth, auto& data) {
-                if (of == "motionlab/snapshot" && nth == 9) data.resize(data.size() / 2);
-                return true;
-              })),
+  EXPECT_THAT(
+      refusal(changed(file, [](auto of, auto nth, auto&) { return of != "motionlab/snapshot" || nth != 9; })),
+      HasSubstr("has step 11 where step 10 should be"));
+  EXPECT_THAT(refusal(changed(file,
+                              [](auto of, auto nth, auto& data) {
+                                if (of == "motionlab/snapshot" && nth == 9) data.resize(data.size() / 2);
+                                return true;
+                              })),
               HasSubstr("damaged at step 10"));
 
   // Another file with an attachment and metadata, but of something else.

@@ -1,10 +1,11 @@
-// What our reader and decoder make of a recording, one line of JSON a message, for a stranger to compare with its own:
+// What our reader and decoder make of a recording, one line of JSON a message, for a stranger to compare with
+// its own:
 //   interop_mcap_dump record FILE     records a short run
 //   interop_mcap_dump decode FILE     decodes it
 // Whole numbers of 64 bits are texts, numbers that are none are "nan" and so on.
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <array>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -106,8 +107,8 @@ int decode(const char* file) {
         sample = T{};
         if (!record::read_cdr(message->data, sample)) throw std::runtime_error("a sample that is none");
         std::cout << "{\"topic\":\"" << message->channel->topic << "\",\"sequence\":" << message->sequence
-                  << ",\"log_time\":\"" << message->logged_ns << "\",\"publish_time\":\"" << message->published_ns
-                  << "\",\"sample\":" << Json::of(sample) << "}\n";
+                  << ",\"log_time\":\"" << message->logged_ns << "\",\"publish_time\":\""
+                  << message->published_ns << "\",\"sample\":" << Json::of(sample) << "}\n";
       });
     }
   }

@@ -152,7 +152,8 @@ int main(int argc, char** argv) {
                  "where the load is asked to be: hold, step, sine or follow (--list)")
       ->check(CLI::IsMember({"hold", "step", "sine", "follow"}))
       ->capture_default_str();
-  app.add_option("--reference-from", options.lab.reference_from_s, "s since the start, when it begins to move")
+  app.add_option("--reference-from", options.lab.reference_from_s,
+                 "s since the start, when it begins to move")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   app.add_option("--reference-frame", options.lab.reference_frame, "what carries that place")
@@ -168,9 +169,10 @@ int main(int argc, char** argv) {
   app.add_option("--world-config", options.lab.world_config, "world.toml; likewise");
   app.add_option("--record", options.lab.record,
                  "write what the control thread takes in and gives out into this MCAP file");
-  app.add_option("--replay", options.replay,
-                 "run such a file, of the study or of motionlab-gateway, through estimator, controller and guard "
-                 "again; exit code 0 only if everything comes out the same to the bit");
+  app.add_option(
+      "--replay", options.replay,
+      "run such a file, of the study or of motionlab-gateway, through estimator, controller and guard "
+      "again; exit code 0 only if everything comes out the same to the bit");
   app.add_option("--report", options.report, "write the report here; default: standard output");
   app.add_flag("--timing", options.lab.timing,
                "measure control steps (the report then differs from run to run)");

@@ -10,8 +10,8 @@
 
 namespace motionlab::study {
 
-/// References by name, as a user's program would send them. At first, by default until 30 s, the load is asked
-/// to be where the configuration says, in world; then
+/// References by name, as a user's program would send them. At first, by default until 30 s, the load is
+/// asked to be where the configuration says, in world; then
 ///  - hold: still there;
 ///  - step: 0.15 m on in x at once, in y 20 s later, 0.2 m down 40 s, all back 60 s later; each told once;
 ///  - sine: 0.10, 0.08 and 0.10 m at 0.05, 0.07 and 0.04 Hz, told with its velocity every 10 ms;
@@ -22,7 +22,8 @@ class ReferencePlan {
   static constexpr std::string_view kNames[] = {"hold", "step", "sine", "follow"};
 
   /// @param name  one of `kNames`
-  ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Eigen::Vector3d& p_WL, double begins_s);
+  ReferencePlan(std::string_view name, topic::ReferenceFrame frame, const Eigen::Vector3d& p_WL,
+                double begins_s);
 
   struct Place {
     Eigen::Vector3d p_WL;  ///< with the second ship at neutral, if it carries the place

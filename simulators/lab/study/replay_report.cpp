@@ -5,9 +5,10 @@
 namespace motionlab::study {
 
 std::string replay_json(const service::ReplayOutcome& outcome) {
-  nlohmann::ordered_json report{{"steps", outcome.steps},     {"outputs_compared", outcome.outputs_compared},
-                                {"equal", !outcome.difference}, {"cut_off", outcome.cut_off},
-                                {"version", outcome.version},   {"first_difference", nullptr}};
+  nlohmann::ordered_json report{
+      {"steps", outcome.steps},       {"outputs_compared", outcome.outputs_compared},
+      {"equal", !outcome.difference}, {"cut_off", outcome.cut_off},
+      {"version", outcome.version},   {"first_difference", nullptr}};
   if (const auto& d = outcome.difference) {
     report["first_difference"] = {{"since_step", d->since_step}, {"step", d->step},
                                   {"t_ns", to_ns(d->t)},         {"topic", d->topic},

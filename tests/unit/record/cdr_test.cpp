@@ -100,11 +100,13 @@ TEST(Cdr, ASnapshotThatIsFullComesBackAndFitsOnTheTape) {
 
 TEST(Cdr, NumbersThatAreNoneComeBackWithTheirBits) {
   topic::Mru sample;
-  sample.a_mru_mps2 = {std::bit_cast<double>(0x7ff8dead'beef0001ULL), -std::numeric_limits<double>::infinity(), -0.0};
+  sample.a_mru_mps2 = {std::bit_cast<double>(0x7ff8dead'beef0001ULL),
+                       -std::numeric_limits<double>::infinity(), -0.0};
   topic::Mru again;
   ASSERT_TRUE(read_cdr(bytes_of(sample), again));
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(again.a_mru_mps2[i]), std::bit_cast<std::uint64_t>(sample.a_mru_mps2[i]));
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(again.a_mru_mps2[i]),
+              std::bit_cast<std::uint64_t>(sample.a_mru_mps2[i]));
   }
   EXPECT_NE(field_texts(sample), field_texts(topic::Mru{}));
 }

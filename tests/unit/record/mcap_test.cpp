@@ -106,7 +106,9 @@ TEST(Mcap, ChannelsComeWithTheirSchema) {
   EXPECT_EQ(reader.library(), "motionlab");
 }
 
-TEST(Mcap, TheSameMessagesAreTheSameBytes) { EXPECT_EQ(sample_file(), sample_file()); }
+TEST(Mcap, TheSameMessagesAreTheSameBytes) {
+  EXPECT_EQ(sample_file(), sample_file());
+}
 
 TEST(Mcap, AFileOfADeadWriterIsReadUpToItsLastWholeRecord) {
   const McapWriterOptions small{.profile = "", .library = "", .zstd_level = 3, .chunk_bytes = 100};
@@ -180,7 +182,8 @@ TEST(Mcap, LiesAboutSizesAreRefused) {
               HasSubstr("cannot be unpacked"));
   EXPECT_THAT(read(file_of({{Opcode::chunk, chunk_of(2, "", "x")}})).fault, HasSubstr("shorter"));
   EXPECT_THAT(read(file_of({{Opcode::chunk, chunk_of(1, "lz4", "x")}})).fault, HasSubstr("something else"));
-  EXPECT_THAT(read(file_of({{Opcode::message, std::string(30, '\1')}})).fault, HasSubstr("before its channel"));
+  EXPECT_THAT(read(file_of({{Opcode::message, std::string(30, '\1')}})).fault,
+              HasSubstr("before its channel"));
   EXPECT_THAT(read(file_of({{Opcode::schema, std::string("\1\0\xff\xff\xff\xff", 6)}})).fault,
               HasSubstr("shorter"));
   // A length beyond the file's end cannot be told from a file that was cut off.
@@ -216,7 +219,8 @@ TEST(Mcap, AFullDiskIsSaidAndNothingIsWrittenAfterIt) {
   std::ostream out(&disk);
   McapWriter writer(out, {.profile = "", .library = "", .zstd_level = 0, .chunk_bytes = 100});
   const ChannelId channel = writer.add_channel("topic", "cdr", 0);
-  for (std::uint32_t i = 0; i < 100; ++i) writer.message(channel, i, LabTime{}, LabTime{}, as_bytes("0123456789"));
+  for (std::uint32_t i = 0; i < 100; ++i)
+    writer.message(channel, i, LabTime{}, LabTime{}, as_bytes("0123456789"));
   EXPECT_FALSE(writer.ok());
   writer.finish();
   EXPECT_FALSE(writer.ok());

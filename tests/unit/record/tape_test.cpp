@@ -188,8 +188,8 @@ TEST_F(Recording, StepsThatFindNoRoomAreAGapInTheFile) {
     if (item.find("gap") != std::string::npos) gaps.push_back(item);
   }
   EXPECT_THAT(gaps, ElementsAre(testing::MatchesRegex("motionlab/gap before_step=[0-9]+ lost_steps=3"),
-                                testing::MatchesRegex("motionlab/gap before_step=" + std::to_string(number + 1) +
-                                                      " lost_steps=2")));
+                                testing::MatchesRegex("motionlab/gap before_step=" +
+                                                      std::to_string(number + 1) + " lost_steps=2")));
 }
 
 TEST_F(Recording, ADeadWriterLosesHalfASecondAtMost) {
