@@ -146,6 +146,19 @@ controller::ModeFacts ControlLoop::facts(const Snapshot& now, const topic::Estim
 
   // What ends an engagement: the first that holds is told.
   const auto unsafe = [&]() -> std::optional<Obstacle> {
+    if (schedule_.deadman_lost.load(std::memory_order_relaxed)) {
+      return Obstacle{
+          "deadman_lost",
+          "the deadman process is gone, nobody would stop the arm if the gateway died; restart the "
+          "gateway"};
+    }
+    // The driver has let go of the arm by itself; going on would be resuming by itself.
+    if (stepped_ && seconds(now.t - *stepped_) > config_.comau.driver.command_stale_after_s) {
+      return Obstacle{
+          "control_late",
+          "control stood still for longer than the arm may wait; see what else this machine does, "
+          "then reset"};
+    }
     const auto stale = [](const char* code, const char* text) { return Obstacle{code, text}; };
     if (!fresh(now.mru, now.t, config_.mrus.front().rule.stale_after_s)) {
       return stale("mru1_stale", "no fresh sample from mru1; check the unit and its cable, then reset");

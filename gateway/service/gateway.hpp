@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drivers/core/time.hpp"
+#include "gateway/deadman/page/lifeline.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "idl/event.hpp"
 #include "idl/health.hpp"
@@ -18,7 +19,8 @@ namespace motionlab::service {
 class Gateway {
  public:
   /// Opens every socket and joins DDS. @throws StartupError before any thread runs
-  Gateway(const GatewayConfig& config, Clock& clock);
+  /// @param lifeline  to the deadman, which was forked before; outlives this
+  Gateway(const GatewayConfig& config, Clock& clock, deadman::Lifeline& lifeline);
   ~Gateway();
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -27,7 +29,8 @@ class Gateway {
   std::vector<std::string> start();
 
   /// Settles: brings arm and winch to rest on the wire, tells the robot computer to hold, then ends the
-  /// threads. Gives up waiting for rest after `patience`. @returns whether all came to rest
+  /// threads. Gives up waiting for rest after `patience`. Lets the deadman go when all came to rest; else
+  /// that one tries again once this process is gone. @returns whether all came to rest
   bool stop(Nanoseconds patience);
 
   /// Events since the last call, oldest first; for the house thread's log.
@@ -35,6 +38,9 @@ class Gateway {
   [[nodiscard]] topic::Mode mode() const;
   /// The newest health of every device.
   void for_each_health(const std::function<void(const topic::Health&)>& each) const;
+  /// The deadman process is gone or stands still: there is no engaging any more until the gateway is
+  /// restarted.
+  [[nodiscard]] bool deadman_lost() const;
   /// Control periods that were slept through since the start.
   [[nodiscard]] std::uint64_t missed_beats() const;
 

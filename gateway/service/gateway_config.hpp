@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct QualisysLink {
 struct ComauLink {
   Endpoint listen;
   comau::DriverConfig driver;
+  /// After so long without a command the robot computer brakes by itself; nothing: it has no watchdog.
+  std::optional<double> watchdog_s;
   LinkRule rule;
 };
 
@@ -54,6 +57,12 @@ struct WinchLink {
   Endpoint plc;
   winch::DriverConfig driver;
   LinkRule rule;
+};
+
+/// How long a thread of the gateway may be silent before the deadman ends the gateway.
+struct DeadmanRule {
+  double heartbeat_s = 0.020;  ///< the io thread, which steps the drivers
+  double control_s = 0.200;    ///< the control thread; meanwhile the driver brakes the arm by itself
 };
 
 /// Which controller moves the crane.
@@ -70,6 +79,7 @@ struct GatewayConfig {
   QualisysLink qualisys;
   ComauLink comau;
   WinchLink winch;
+  DeadmanRule deadman;
   estimator::Belief belief;
   ControlLaw law = ControlLaw::ours;
   controller::LoadKeeperConfig keeper;
