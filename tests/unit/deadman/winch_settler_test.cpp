@@ -29,12 +29,19 @@ class Wake : public winch::Bench {
     stream->on_event(settler.events());
     const LabTime begun = clock_.now();
     while (settler.end() == End::not_yet && clock_.now() - begun < 30s) {
-      network_.run_until(clock_.now() + 1ms);
+      pass(1ms);
       settler.step(clock_.now());
-      cycle();
     }
     stream->on_event(nullptr);
     return settler.end();
+  }
+
+  /// Time passes for the PLC.
+  void pass(Nanoseconds duration) {
+    for (const LabTime end = clock_.now() + duration; clock_.now() < end;) {
+      network_.run_until(clock_.now() + 1ms);
+      cycle();
+    }
   }
 
  private:
@@ -53,7 +60,10 @@ TEST(WinchSettler, BringsTheWinchToRest) {
   Wake wake;
   wake.die_in_motion();
   EXPECT_EQ(wake.settle(), End::at_rest);
+  const double length_m = wake.device_->set_point_m();
+  wake.pass(10s);
   EXPECT_TRUE(wake.device_->brake_closed());
+  EXPECT_NEAR(wake.device_->set_point_m(), length_m, 1e-3);
 }
 
 TEST(WinchSettler, FindsAWinchThatRestsAndSaysSo) {
