@@ -14,17 +14,6 @@ DeviceClock::Config clock_config(const DriverConfig& config) {
   return clock;
 }
 
-VelocityShaper::Config shaper_config(const DriverConfig& config) {
-  return {.period_s = config.command_period_s,
-          .rest_before_motion_s = config.rest_before_motion_s,
-          .rest_before_hold_s = config.rest_before_hold_s,
-          .q_min_rad = config.q_min_rad,
-          .q_max_rad = config.q_max_rad,
-          .qd_max_radps = config.qd_max_radps,
-          .qdd_max_radps2 = config.qdd_max_radps2,
-          .stop_deceleration_radps2 = config.stop_deceleration_radps2};
-}
-
 bool all_finite(const Joints& values) noexcept {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
@@ -42,6 +31,17 @@ bool is_a_box(const ReportedLimits& limits) noexcept {
 }
 
 }  // namespace
+
+VelocityShaper::Config shaper_config(const DriverConfig& config) {
+  return {.period_s = config.command_period_s,
+          .rest_before_motion_s = config.rest_before_motion_s,
+          .rest_before_hold_s = config.rest_before_hold_s,
+          .q_min_rad = config.q_min_rad,
+          .q_max_rad = config.q_max_rad,
+          .qd_max_radps = config.qd_max_radps,
+          .qdd_max_radps2 = config.qdd_max_radps2,
+          .stop_deceleration_radps2 = config.stop_deceleration_radps2};
+}
 
 ComauDriver::ComauDriver(DriverConfig config, DatagramOut& out, Sink<topic::ArmState> on_state,
                          Sink<topic::ArmCommand> on_sent)

@@ -55,6 +55,9 @@ struct DriverConfig {
   int farewell_datagrams = 20;     ///< mode 0 at the end of an orderly stop
 };
 
+/// The shaper that these settings ask for: the one way of this house to speed up and to brake the arm.
+[[nodiscard]] VelocityShaper::Config shaper_config(const DriverConfig& config);
+
 /// Our end of the exchange with the robot computer.
 ///
 /// The robot computer answers each datagram, sends nothing by itself, has no time-out and integrates the last

@@ -35,6 +35,8 @@ class VelocityShaper {
   };
 
   explicit VelocityShaper(const Config& config) noexcept : config_(config) {}
+  /// Goes on from what the robot computer was told last, to brake it.
+  VelocityShaper(const Config& config, const Command& said) noexcept : config_(config), current_(said) {}
 
   /// Towards rest: speeds fall by at most deceleration x period, then rest in mode 1, then mode 0.
   Command brake() noexcept;

@@ -57,9 +57,11 @@ struct Devices::Impl {
     std::unique_ptr<DatagramSocket> socket;
   };
 
-  Impl(const GatewayConfig& c, Network& network, bus::LocalBus& local, ArmSchedule& arm_schedule)
+  Impl(const GatewayConfig& c, Network& network, bus::LocalBus& local, ArmSchedule& arm_schedule,
+       Sink<topic::ArmCommand> on_arm_sent_in)
       : config(c),
         schedule(arm_schedule),
+        on_arm_sent(std::move(on_arm_sent_in)),
         publish_mru(local.advertise<topic::Mru>()),
         publish_bodies(local.advertise<topic::Bodies>()),
         publish_arm(local.advertise<topic::ArmState>()),
@@ -71,6 +73,7 @@ struct Devices::Impl {
         arm(
             c.comau.driver, *comau_socket, [this](const topic::ArmState& s) { publish_arm.publish(s); },
             [this](const topic::ArmCommand& sent) {
+              if (on_arm_sent) on_arm_sent(sent);
               // A full queue means that control stands still; what it misses shows up in the encoders.
               (void)schedule.sent.push(sent);
             }),
@@ -115,6 +118,7 @@ struct Devices::Impl {
 
   GatewayConfig config;
   ArmSchedule& schedule;
+  Sink<topic::ArmCommand> on_arm_sent;
   bus::Publisher<topic::Mru> publish_mru;
   bus::Publisher<topic::Bodies> publish_bodies;
   bus::Publisher<topic::ArmState> publish_arm;
@@ -136,8 +140,9 @@ struct Devices::Impl {
   std::uint64_t health_sequence = 0;
 };
 
-Devices::Devices(const GatewayConfig& config, Network& network, bus::LocalBus& local, ArmSchedule& schedule)
-    : impl_(std::make_unique<Impl>(config, network, local, schedule)) {}
+Devices::Devices(const GatewayConfig& config, Network& network, bus::LocalBus& local, ArmSchedule& schedule,
+                 Sink<topic::ArmCommand> on_arm_sent)
+    : impl_(std::make_unique<Impl>(config, network, local, schedule, std::move(on_arm_sent))) {}
 
 Devices::~Devices() = default;
 

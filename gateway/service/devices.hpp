@@ -8,6 +8,7 @@
 
 #include "drivers/core/bounded_queue.hpp"
 #include "drivers/core/network.hpp"
+#include "drivers/core/sink.hpp"
 #include "gateway/bus/local_bus.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "idl/topics.hpp"
@@ -19,6 +20,7 @@ namespace motionlab::service {
 struct ArmSchedule {
   BoundedQueue<topic::ArmCommand, 64> sent;     ///< what really left, and when (`t_created_ns`)
   std::atomic<std::int64_t> t_next_send_ns{0};  ///< when the next command leaves
+  std::atomic<bool> deadman_lost{false};        ///< nobody would brake the arm if this process died
 };
 
 /// All drivers, wired to transports of one network. One thread: the one that runs the network.
@@ -27,7 +29,9 @@ struct ArmSchedule {
 class Devices {
  public:
   /// Opens every socket. @throws StartupError when one cannot be opened
-  Devices(const GatewayConfig& config, Network& network, bus::LocalBus& local, ArmSchedule& schedule);
+  /// @param on_arm_sent  optional: every arm command that really left, at once
+  Devices(const GatewayConfig& config, Network& network, bus::LocalBus& local, ArmSchedule& schedule,
+          Sink<topic::ArmCommand> on_arm_sent = {});
   ~Devices();
 
   /// Runs the drivers' timers: call about every millisecond and at `next_send`. Publishes health ten times a

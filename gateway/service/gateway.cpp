@@ -1,7 +1,10 @@
 #include "gateway/service/gateway.hpp"
 
+#include <fcntl.h>
+
 #include <atomic>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -34,18 +37,21 @@ std::int64_t monotonic_ns() {
 }  // namespace
 
 struct Gateway::Impl {
-  Impl(const GatewayConfig& c, Clock& clock_in)
+  Impl(const GatewayConfig& c, Clock& clock_in, deadman::Lifeline& lifeline_in)
       : config(c),
         clock(clock_in),
+        lifeline(lifeline_in),
         network(io, clock),
-        devices(c, network, local, schedule),
+        devices(c, network, local, schedule,
+                [this](const topic::ArmCommand& sent) { lifeline.sent(sent.follow, sent.qd_wanted_radps); }),
         tape(c.record.inputs.empty() ? nullptr : std::make_unique<record::RunTape>(c.record.outputs_every)),
         control(c, local, schedule, monotonic_ns, tape.get()),
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),
         dds(c.bus, local),
-        driver_timer(io) {
+        driver_timer(io),
+        deadman_end(io, ::fcntl(lifeline.deadman_pidfd(), F_DUPFD_CLOEXEC, 0)) {
     if (tape) {
       recorder.emplace(record::unused_name(c.record.inputs), *tape, c.effective, c.record.zstd_level);
     }
@@ -75,8 +81,18 @@ struct Gateway::Impl {
     driver_timer.async_wait([this](const boost::system::error_code& cancelled) {
       if (cancelled) return;
       devices.step(clock.now());
+      lifeline.io_beat();
+      if (lifeline.deadman_silent()) schedule.deadman_lost.store(true, std::memory_order_relaxed);
       arm_driver_timer();
     });
+  }
+
+  /// Hears of the deadman's death at once.
+  void watch_deadman() {
+    deadman_end.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                           [this](const boost::system::error_code& cancelled) {
+                             if (!cancelled) schedule.deadman_lost.store(true, std::memory_order_relaxed);
+                           });
   }
 
   void run_control(std::promise<std::string> told) {
@@ -88,6 +104,7 @@ struct Gateway::Impl {
       control.time_keeper().woke(woken.late, woken.missed);
       if (beat % kBeatsPerCountOfFaults == 0) control.time_keeper().page_faults(page_faults());
       control.step(clock.now());
+      lifeline.control_beat();
     }
   }
 
@@ -105,6 +122,7 @@ struct Gateway::Impl {
   void run_io(std::promise<std::string> told) {
     told.set_value(become_real_time("io", kIoPriority, config.io_cpu));
     arm_driver_timer();
+    watch_deadman();
     io.run();
   }
 
@@ -136,6 +154,7 @@ struct Gateway::Impl {
 
   GatewayConfig config;
   Clock& clock;
+  deadman::Lifeline& lifeline;
   bus::LocalBus local;
   ArmSchedule schedule;
   boost::asio::io_context io{1};
@@ -148,6 +167,7 @@ struct Gateway::Impl {
   bus::Publisher<topic::ModeRequest> requests;
   bus::DdsBus dds;
   boost::asio::steady_timer driver_timer;
+  boost::asio::posix::stream_descriptor deadman_end;
   std::thread io_thread;
   std::thread control_thread;
   std::optional<record::RunRecorder> recorder;
@@ -158,7 +178,8 @@ struct Gateway::Impl {
   std::atomic<std::uint64_t> missed{0};
 };
 
-Gateway::Gateway(const GatewayConfig& config, Clock& clock) : impl_(std::make_unique<Impl>(config, clock)) {}
+Gateway::Gateway(const GatewayConfig& config, Clock& clock, deadman::Lifeline& lifeline)
+    : impl_(std::make_unique<Impl>(config, clock, lifeline)) {}
 
 Gateway::~Gateway() {
   if (impl_->io_thread.joinable()) stop(0ns);
@@ -196,6 +217,11 @@ bool Gateway::stop(Nanoseconds patience) {
         return devices_stopped.load();
       },
       end);
+  if (settled && stopped) {
+    g.lifeline.end_in_order();
+  } else {
+    g.lifeline.leave();
+  }
   g.stopping.store(true);
   g.control_thread.join();
   g.recorded.store(true, std::memory_order_release);
@@ -231,6 +257,10 @@ std::optional<std::string> Gateway::recording_trouble() const {
     return "the recording " + file.string() +
            " has gaps: its disk is too slow; record to another, or raise [record] outputs_every";
   return std::nullopt;
+}
+
+bool Gateway::deadman_lost() const {
+  return impl_->schedule.deadman_lost.load(std::memory_order_relaxed);
 }
 
 std::uint64_t Gateway::missed_beats() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/core/time.hpp"
+#include "gateway/deadman/page/lifeline.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "idl/event.hpp"
 #include "idl/health.hpp"
@@ -23,7 +24,8 @@ namespace motionlab::service {
 class Gateway {
  public:
   /// Opens every socket and joins DDS. @throws StartupError before any thread runs
-  Gateway(const GatewayConfig& config, Clock& clock);
+  /// @param lifeline  to the deadman, which was forked before; outlives this
+  Gateway(const GatewayConfig& config, Clock& clock, deadman::Lifeline& lifeline);
   ~Gateway();
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -32,7 +34,8 @@ class Gateway {
   std::vector<std::string> start();
 
   /// Settles: brings arm and winch to rest on the wire, tells the robot computer to hold, then ends the
-  /// threads. Gives up waiting for rest after `patience`. @returns whether all came to rest
+  /// threads. Gives up waiting for rest after `patience`. Lets the deadman go when all came to rest; else
+  /// that one tries again once this process is gone. @returns whether all came to rest
   bool stop(Nanoseconds patience);
 
   /// Events since the last call, oldest first; for the house thread's log.
@@ -44,6 +47,9 @@ class Gateway {
   [[nodiscard]] std::optional<std::filesystem::path> recording() const;
   /// What is wrong with that file, as a sentence; nothing when all is well.
   [[nodiscard]] std::optional<std::string> recording_trouble() const;
+  /// The deadman process is gone or stands still: there is no engaging any more until the gateway is
+  /// restarted.
+  [[nodiscard]] bool deadman_lost() const;
   /// Control periods that were slept through since the start.
   [[nodiscard]] std::uint64_t missed_beats() const;
 

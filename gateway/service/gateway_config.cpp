@@ -163,6 +163,11 @@ WinchLink winch_link(const TomlTable& root) {
   return link;
 }
 
+DeadmanRule deadman_rule(const TomlTable& root) {
+  const TomlTable t = root.table("deadman");
+  return {t.number("heartbeat_s", {0.01, 2.0}), t.number("control_s", {0.02, 5.0})};
+}
+
 controller::GuardLimits guard_limits(const TomlTable& root) {
   const TomlTable t = root.table("limits");
   constexpr Range angle{-2700.0, 2700.0};
@@ -304,6 +309,7 @@ GatewayConfig read(const TomlDocument& document) {
   config.qualisys = qualisys_link(root);
   config.comau = comau_link(root);
   config.winch = winch_link(root);
+  config.deadman = deadman_rule(root);
   config.limits = guard_limits(root);
   config.limits.posture_age_max_s =
       std::max(config.comau.rule.stale_after_s, config.winch.rule.stale_after_s) + 0.05;
@@ -318,8 +324,12 @@ GatewayConfig read(const TomlDocument& document) {
   config.winch.rule.required = required("winch");
   constexpr std::array platform_limits{"plc", "mechanical"};
   config.platform_limits = platform_limits[root.table("limits").choice("platform", {"plc", "mechanical"})];
-  const bool watched = root.table("comau").choice("watchdog", {"none", "relay", "patched"}) != 0;
-  if (!watched) {
+  const TomlTable comau = root.table("comau");
+  const bool watched = comau.choice("watchdog", {"none", "relay", "patched"}) != 0;
+  const double watchdog_s = comau.number("watchdog_s", {0.005, 1.0});
+  if (watched) {
+    config.comau.watchdog_s = watchdog_s;
+  } else {
     for (auto* const limit : {&config.limits.qd_max_radps, &config.comau.driver.qd_max_radps}) {
       for (auto& fastest : *limit) fastest = std::min(fastest, kSpeedWithoutWatchdog);
     }
@@ -387,6 +397,12 @@ std::string wiring(const GatewayConfig& config) {
                                        to_string(config.comau.driver.robot_computer) + ", required");
   line(config.winch.driver.device, "calls tcp " + to_string(config.winch.plc) + " (ADS " +
                                        winch::to_string(config.winch.driver.target.net_id) + "), required");
+  const auto milliseconds = [](double s) { return std::to_string(std::lround(1e3 * s)) + " ms"; };
+  line("deadman",
+       "brakes the arm from the same port and settles the winch when the gateway is gone; ends it "
+       "first when io is silent for " +
+           milliseconds(config.deadman.heartbeat_s) + " or control for " +
+           milliseconds(config.deadman.control_s));
   std::string interfaces;
   for (const auto& address : config.bus.interface_whitelist) interfaces += ' ' + address;
   line("bus", "DDS domain " + std::to_string(config.bus.domain) + " on" +

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct QualisysLink {
 struct ComauLink {
   Endpoint listen;
   comau::DriverConfig driver;
+  /// After so long without a command the robot computer brakes by itself; nothing: it has no watchdog.
+  std::optional<double> watchdog_s;
   LinkRule rule;
 };
 
@@ -61,6 +64,12 @@ struct RecordRule {
   std::string inputs;               ///< the file; empty: nothing is written
   std::uint32_t outputs_every = 1;  ///< of what is published, every so many steps are kept
   int zstd_level = 3;               ///< 0: not compressed
+};
+
+/// How long a thread of the gateway may be silent before the deadman ends the gateway.
+struct DeadmanRule {
+  double heartbeat_s = 0.020;  ///< the io thread, which steps the drivers
+  double control_s = 0.200;    ///< the control thread; meanwhile the driver brakes the arm by itself
 };
 
 /// Which controller moves the crane.
@@ -87,6 +96,7 @@ struct GatewayConfig {
   QualisysLink qualisys;
   ComauLink comau;
   WinchLink winch;
+  DeadmanRule deadman;
   estimator::Belief belief;
   ControlLaw law = ControlLaw::ours;
   controller::LoadKeeperConfig keeper;

@@ -73,6 +73,17 @@ std::optional<Obstacle> Readiness::stale(const std::vector<std::string>& devices
 
 std::optional<Obstacle> Readiness::unsafe(const Inputs& in) const {
   const Snapshot& now = in.now;
+  if (now.deadman_lost) {
+    return Obstacle{"deadman_lost",
+                    "the deadman process is gone, nobody would stop the arm if the gateway died; restart the "
+                    "gateway"};
+  }
+  // The driver has let go of the arm by itself; going on would be resuming by itself.
+  if (in.dt_s > config_.comau.driver.command_stale_after_s) {
+    return Obstacle{"control_late",
+                    "control stood still for longer than the arm may wait; see what else this machine does, "
+                    "then reset"};
+  }
   if (auto silent = stale(config_.modes.engaged, now)) return silent;
   if (now.winch->error)
     return Obstacle{"winch_fault", "the winch drive reports a fault; clear it at the drive, then reset"};

@@ -45,6 +45,7 @@ topic::Snapshot& Inputs::gather(LabTime t) {
   ++inputs_.sequence_number;
   inputs_.t_ns = to_ns(t);
   inputs_.t_next_send_ns = schedule_.t_next_send_ns.load(std::memory_order_relaxed);
+  inputs_.deadman_lost = schedule_.deadman_lost.load(std::memory_order_relaxed);
   take_all(inputs_.requests, [this] { return requests_.next(); });
   take_all(inputs_.references, [this] { return references_.next(); });
   take_all(inputs_.sent, [this] { return schedule_.sent.pop(); });
@@ -69,6 +70,7 @@ void Inputs::gather_commands_of(const Text<32>& controller) {
 
 const Snapshot& Newest::take(const topic::Snapshot& inputs) {
   now_.t = from_ns(inputs.t_ns);
+  now_.deadman_lost = inputs.deadman_lost;
   now_.t_next_send = from_ns(inputs.t_next_send_ns);
   keep_newest(inputs.mru, now_.mru);
   keep_newest(inputs.load, now_.load);

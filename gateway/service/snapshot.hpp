@@ -15,7 +15,8 @@ namespace motionlab::service {
 /// The newest samples at one time, each with its age.
 struct Snapshot {
   LabTime t{};
-  LabTime t_next_send{};  ///< when the arm's next command leaves
+  LabTime t_next_send{};      ///< when the arm's next command leaves
+  bool deadman_lost = false;  ///< nobody would brake the arm if this process died
   std::optional<topic::Mru> mru;
   std::optional<topic::Bodies> load;
   std::optional<topic::Bodies> platform;

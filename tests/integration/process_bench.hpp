@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -94,13 +95,13 @@ class Observer {
   std::uint64_t asked_ = 0;
 };
 
-/// A folder, ports and a DDS domain that nobody else uses.
-class Processes : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("motionlab-" + std::to_string(getpid()) + "-" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+/// A folder, ports and a DDS domain that nobody else uses, and the programs on them.
+class ProcessBench {
+ public:
+  /// @param name  of the folder, to be removed at the end
+  void set_up(const std::string& name) {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) / ("motionlab-" + std::to_string(getpid()) + "-" + name);
     std::filesystem::create_directories(folder_);
     domain_ = 100 + getpid() % 130;
     std::vector<std::unique_ptr<RawSocket>> held;  // all at once, so that no port is drawn twice
@@ -108,14 +109,14 @@ class Processes : public testing::Test {
       held.push_back(std::make_unique<RawSocket>(type));
       return held.back()->port();
     };
-    for (const char* const name : {"mru1", "mru2", "mru1_from", "mru2_from", "frames", "arm", "robot"}) {
-      port_[name] = draw(SOCK_DGRAM);
+    for (const char* const udp : {"mru1", "mru2", "mru1_from", "mru2_from", "frames", "arm", "robot"}) {
+      port_[udp] = draw(SOCK_DGRAM);
     }
-    for (const char* const name : {"qtm", "plc"}) port_[name] = draw(SOCK_STREAM);
+    for (const char* const tcp : {"qtm", "plc"}) port_[tcp] = draw(SOCK_STREAM);
     write("gateway.toml", gateway_overlay());
     write("world.toml", world_overlay());
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void tear_down() const { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] std::string endpoint(const std::string& name) const {
     return std::string("127.0.0.1:").append(std::to_string(port_.at(name)));
@@ -129,6 +130,7 @@ class Processes : public testing::Test {
     text += "[qualisys]\nserver = " + at("qtm") + "listen = " + at("frames") + "stale_after_s = 1.0\n";
     text += "[comau]\nrobot_computer = " + at("robot") + "listen = " + at("arm") + "stale_after_s = 1.0\n";
     text += "[winch]\nplc = " + at("plc") + "stale_after_s = 1.0\n";
+    text += "[deadman]\nheartbeat_s = 0.5\ncontrol_s = 1.0\n";
     return text;
   }
   [[nodiscard]] std::string world_overlay() const {
@@ -163,6 +165,17 @@ class Processes : public testing::Test {
   std::filesystem::path folder_;
   int domain_ = 0;
   std::map<std::string, std::uint16_t> port_;
+};
+
+/// The same as a test's fixture.
+class Processes : public testing::Test, protected ProcessBench {
+ protected:
+  void SetUp() override {
+    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(name.begin(), name.end(), '/', '-');
+    set_up(name);
+  }
+  void TearDown() override { tear_down(); }
 };
 
 }  // namespace motionlab::integration

@@ -12,11 +12,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/core/config_path.hpp"
 #include "drivers/core/error.hpp"
 #include "drivers/core/real_clock.hpp"
+#include "gateway/deadman/deadman.hpp"
+#include "gateway/deadman/settlement.hpp"
 #include "gateway/service/gateway.hpp"
 #include "gateway/service/gateway_config.hpp"
 
@@ -31,6 +34,7 @@ struct Options {
   std::string config;
   std::vector<std::string> overlays;
   bool check = false;
+  bool settle = false;
 };
 
 /// Blocks the signals that end the service, for this thread and all that it starts, so that they can be
@@ -70,10 +74,43 @@ class LinkLog {
   std::map<std::string, std::string> last_;
 };
 
+deadman::WireConfig wires(const service::GatewayConfig& config) {
+  return {.listen = config.comau.listen,
+          .arm = config.comau.driver,
+          .robot_brakes_after_s = config.comau.watchdog_s,
+          .plc = config.winch.plc,
+          .winch = config.winch.driver};
+}
+
+/// The second line: the gateway is gone, and perhaps its deadman with it. What is not at rest is told.
+int settle(const service::GatewayConfig& config) {
+  const deadman::WireConfig where = wires(config);
+  const RealClock clock;
+  deadman::Settlement settlement(where, clock);
+  try {
+    settlement.open(where.listen);
+  } catch (const StartupError& error) {
+    throw StartupError(
+        std::string(error.what()) +
+        ". If a gateway of this configuration is running, settle it with: motionlab settle; if "
+        "one has just died, its deadman is at work: try again in some seconds");
+  }
+  settlement.begin(std::nullopt);
+  const deadman::Outcome outcome = settlement.finish();
+  spdlog::log(outcome.settled() ? spdlog::level::info : spdlog::level::err, "{}", outcome.text(where));
+  return outcome.settled() ? 0 : 1;
+}
+
 int serve(const service::GatewayConfig& config) {
+  // First of all: before any thread, any socket, and DDS.
+  const auto lifeline =
+      deadman::fork_deadman({.wires = wires(config),
+                             .io_silent_after = from_seconds(config.deadman.heartbeat_s),
+                             .control_silent_after = from_seconds(config.deadman.control_s)},
+                            [](const std::string& said) { spdlog::warn("deadman: {}", said); });
   const sigset_t signals = block_signals();
   RealClock clock;
-  service::Gateway gateway(config, clock);
+  service::Gateway gateway(config, clock, *lifeline);
   for (const auto& note : config.notes) spdlog::warn("{}", note);
   for (const auto& refused : gateway.start()) spdlog::warn("{}", refused);
   spdlog::info("running\n{}", service::wiring(config));
@@ -83,11 +120,16 @@ int serve(const service::GatewayConfig& config) {
   LinkLog links;
   std::optional<std::string> trouble;
   LabTime next_look = clock.now();
+  bool said_lost = false;
   for (;;) {
     constexpr timespec kPoll{0, 100'000'000};
     if (sigtimedwait(&signals, nullptr, &kPoll) > 0) break;
     gateway.drain_events(log_event);
     links.look(gateway);
+    if (gateway.deadman_lost() && !std::exchange(said_lost, true)) {
+      spdlog::error(
+          "the deadman process is gone or stands still: nothing may move until the gateway is restarted");
+    }
     if (clock.now() < next_look) continue;
     next_look = clock.now() + 1s;
     clock.discipline();
@@ -121,6 +163,8 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.config, "lab.toml; default: found in deploy/config or /etc/motionlab");
   app.add_option("--overlay", options.overlays, "laid over the configuration, in order; e.g. loopback.toml");
   app.add_flag("--check", options.check, "read and check the configuration, print the wiring, exit");
+  app.add_flag("--settle", options.settle,
+               "no gateway is running: bring arm and winch to rest by the configuration, exit");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("motionlab-gateway"));
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
@@ -133,7 +177,7 @@ int main(int argc, char** argv) {
       std::cout << "wiring\n" << service::wiring(config) << "\neffective configuration\n" << config.effective;
       return 0;
     }
-    return serve(config);
+    return options.settle ? settle(config) : serve(config);
   } catch (const StartupError& error) {
     std::cerr << "motionlab-gateway: " << error.what() << '\n';
     return 2;
