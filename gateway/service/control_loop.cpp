@@ -39,11 +39,13 @@ std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
 }  // namespace
 
 ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-                         std::function<std::int64_t()> stopwatch)
+                         std::function<std::int64_t()> stopwatch,
+                         std::function<std::int64_t()> processor_time)
     : config_(config),
       snapshots_(config, local),
       schedule_(schedule),
       stopwatch_(std::move(stopwatch)),
+      processor_time_(std::move(processor_time)),
       estimator_(config.belief),
       keeper_(keeper_of(config)),
       guard_(config.limits),
@@ -74,6 +76,7 @@ Text<32> ControlLoop::external_controller() const {
 
 void ControlLoop::step(LabTime t) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
+  const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
   take_requests(t);
@@ -111,6 +114,7 @@ void ControlLoop::step(LabTime t) {
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
   Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_->servo_omega_radps();
+  if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);

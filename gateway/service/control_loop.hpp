@@ -26,8 +26,10 @@ namespace motionlab::service {
 class ControlLoop {
  public:
   /// @param stopwatch  nanoseconds of a running clock, only to tell how long a step took; nothing in lockstep
+  /// @param processor_time  nanoseconds that the calling thread has computed, likewise
   ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-              std::function<std::int64_t()> stopwatch = {});
+              std::function<std::int64_t()> stopwatch = {},
+              std::function<std::int64_t()> processor_time = {});
 
   void step(LabTime t);
 
@@ -54,7 +56,7 @@ class ControlLoop {
   GatewayConfig config_;
   Snapshots snapshots_;
   ArmSchedule& schedule_;
-  std::function<std::int64_t()> stopwatch_;
+  std::function<std::int64_t()> stopwatch_, processor_time_;
 
   estimator::LabEstimator estimator_;
   std::unique_ptr<controller::Keeper> keeper_;

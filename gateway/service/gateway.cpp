@@ -5,6 +5,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <ctime>
 #include <future>
 #include <thread>
 
@@ -27,6 +28,12 @@ std::int64_t monotonic_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
+std::int64_t thread_time_ns() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+}
+
 }  // namespace
 
 struct Gateway::Impl {
@@ -35,7 +42,7 @@ struct Gateway::Impl {
         clock(clock_in),
         network(io, clock),
         devices(c, network, local, schedule),
-        control(c, local, schedule, monotonic_ns),
+        control(c, local, schedule, monotonic_ns, thread_time_ns),
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),
