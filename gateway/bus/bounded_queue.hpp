@@ -24,12 +24,16 @@ class BoundedQueue {
   }
 
   /// Puts a value in; false when full. Any thread. Lock-free.
-  [[nodiscard]] bool push(const T& value) noexcept {
+  /// @param left_free  cells that shall stay free behind it, for values that matter more; less than the
+  /// capacity
+  [[nodiscard]] bool push(const T& value, std::size_t left_free = 0) noexcept {
     std::size_t ticket = next_ticket_.load(std::memory_order_relaxed);
     for (;;) {
       Cell& cell = cells_[ticket % cells_.size()];
       const std::size_t turn = cell.turn.load(std::memory_order_acquire);
       if (turn == ticket) {
+        const std::size_t behind = ticket + left_free;
+        if (cells_[behind % cells_.size()].turn.load(std::memory_order_acquire) < behind) return false;
         if (!next_ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_relaxed)) continue;
         cell.value = value;
         cell.turn.store(ticket + 1, std::memory_order_release);

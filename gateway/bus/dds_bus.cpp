@@ -25,6 +25,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
+#include "gateway/bus/flood_gate.hpp"
 #include "gateway/bus/qos.hpp"
 #include "gateway/bus/type_support.hpp"
 
@@ -42,7 +43,7 @@ constexpr Nanoseconds kLongestSleep = 100ms;  // of the bus thread
 
 struct AtomicCounters {
   using Count = std::atomic<std::uint64_t>;
-  Count written{0}, write_failed{0}, taken{0}, refused_instance{0};
+  Count written{0}, write_failed{0}, taken{0}, refused_instance{0}, refused_flood{0};
   Count deadline_missed{0}, liveliness_lost{0}, incompatible_qos{0};
   std::array<Count, static_cast<std::size_t>(Refusal::count_)> refused{};
 
@@ -136,37 +137,46 @@ template <class T>
 class In final : public Link, private fast::DataReaderListener {
  public:
   In(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters)
-      : counters_{counters}, wakeup_{wakeup}, publisher_{local.advertise<T>()} {}
+      : counters_{counters}, wakeup_{wakeup}, publisher_{local.advertise_for_strangers<T>()} {}
 
   bool create(fast::Subscriber& subscriber, fast::Topic& topic, const TopicShape& shape) {
     reader_.store(subscriber.create_datareader(&topic, reader_qos(shape), this));
     return reader_ != nullptr;
   }
 
-  std::size_t run(SteadyTime) override {
-    if (!arrived_.exchange(false, std::memory_order_acq_rel)) return 0;
+  std::size_t run(SteadyTime now) override {
     std::size_t count = 0;
+    while (const auto sample = gate_.held(now)) count += hand_on(*sample);
+    if (!arrived_.exchange(false, std::memory_order_acq_rel)) return count;
     fast::SampleInfo info;
-    for (std::size_t n = 0; n < kTakenAtOnce; ++n) {
-      if (reader_.load()->take_next_sample(&carried_, &info) != ReturnCode_t::RETCODE_OK) return count;
+    std::size_t n = 0;
+    for (; n < kTakenAtOnce; ++n) {
+      if (reader_.load()->take_next_sample(&carried_, &info) != ReturnCode_t::RETCODE_OK) break;
       if (!info.valid_data) continue;  // a writer has left
       if (is_ours(info)) continue;
       if (carried_.refusal != Refusal::none) {
         AtomicCounters::add(counters_.refused[static_cast<std::size_t>(carried_.refusal)]);
-      } else if (!publisher_.publish(carried_.sample)) {
-        AtomicCounters::add(counters_.refused_instance);
-      } else {
-        AtomicCounters::add(counters_.taken);
-        ++count;
+      } else if (gate_.passes(carried_.sample, now)) {
+        count += hand_on(carried_.sample);
       }
     }
-    on_data_available(nullptr);
+    AtomicCounters::add(counters_.refused_flood, gate_.refused() - refused_by_gate_);
+    refused_by_gate_ = gate_.refused();
+    if (n == kTakenAtOnce) on_data_available(nullptr);
     return count;
   }
+
+  [[nodiscard]] SteadyTime due() const noexcept override { return gate_.due(); }
 
   [[nodiscard]] const Publisher<T>& arrivals() const noexcept { return publisher_; }
 
  private:
+  std::size_t hand_on(const T& sample) {
+    const bool taken = publisher_.publish(sample);
+    AtomicCounters::add(taken ? counters_.taken : counters_.refused_instance);
+    return taken ? 1 : 0;
+  }
+
   /// Whether it comes from a writer of this participant, of a topic that goes both ways.
   [[nodiscard]] bool is_ours(const fast::SampleInfo& info) const {
     return info.sample_identity.writer_guid().guidPrefix == reader_.load()->guid().guidPrefix;
@@ -196,6 +206,8 @@ class In final : public Link, private fast::DataReaderListener {
   std::atomic<fast::DataReader*> reader_{nullptr};
   std::atomic<bool> arrived_{false};
   Carried<T> carried_;
+  GateOf<T> gate_;
+  std::uint64_t refused_by_gate_ = 0;  ///< as far as it was counted
 };
 
 /// Once per process, before the first participant: the type registry of Fast DDS is not safe against its own
@@ -426,6 +438,7 @@ DdsCounters DdsBus::counters() const {
   counters.refused_enum = refused(Refusal::unknown_enum);
   counters.refused_not_finite = refused(Refusal::not_finite);
   counters.refused_instance = from.refused_instance;
+  counters.refused_flood = from.refused_flood;
   for (const auto& [name, link] : impl_->links) counters.lost_locally += link->lost();
   counters.deadline_missed = from.deadline_missed;
   counters.liveliness_lost = from.liveliness_lost;

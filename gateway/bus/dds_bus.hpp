@@ -31,13 +31,15 @@ struct DdsCounters {
   std::uint64_t refused_enum = 0;        ///< a number that is no enumerator
   std::uint64_t refused_not_finite = 0;  ///< NaN or infinity
   std::uint64_t refused_instance = 0;  ///< the instance has a publisher in this process, or the table is full
+  std::uint64_t refused_flood = 0;     ///< more requests or references than a control step can take
   std::uint64_t lost_locally = 0;      ///< published here faster than the bus thread could write
   std::uint64_t deadline_missed = 0;   ///< by a writer or reader of this process
   std::uint64_t liveliness_lost = 0;   ///< a remote writer of commands fell silent
   std::uint64_t incompatible_qos = 0;  ///< an endpoint elsewhere that asks or offers something else
 
   [[nodiscard]] std::uint64_t refused() const noexcept {
-    return refused_malformed + refused_text + refused_enum + refused_not_finite + refused_instance;
+    return refused_malformed + refused_text + refused_enum + refused_not_finite + refused_instance +
+           refused_flood;
   }
 };
 
@@ -47,7 +49,9 @@ struct DdsCounters {
 ///
 /// The transport is UDP only: no segments are left in /dev/shm when a process is killed. A peer that was
 /// killed is noticed after two seconds, a silent writer of commands after `kCommandLiveliness`. Whatever
-/// arrives from outside is bounds-checked; what is refused is counted, and cannot end the process.
+/// arrives from outside is bounds-checked; what is refused is counted, and cannot end the process. Of
+/// requests and references no more is handed on than a control step can take (flood_gate.hpp); a settle
+/// always is.
 class DdsBus {
  public:
   /// @param local  must outlive this

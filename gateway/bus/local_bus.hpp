@@ -4,7 +4,9 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,6 +18,7 @@
 #include "drivers/core/error.hpp"
 #include "drivers/core/latest.hpp"
 #include "drivers/core/text.hpp"
+#include "drivers/core/time.hpp"
 #include "gateway/bus/bounded_queue.hpp"
 #include "gateway/bus/topics.hpp"
 #include "gateway/bus/wakeup.hpp"
@@ -52,6 +55,45 @@ InstanceName<T> instance_name(const T& sample) noexcept {
 using PublisherId = std::uint32_t;
 inline constexpr PublisherId kNobody = 0;
 
+/// A name that one thread may change while others compare. It is read whole or not at all.
+template <class T>
+class SharedName {
+ public:
+  void set(const InstanceName<T>& name) noexcept {
+    const Words words = words_of(name);
+    turn_.fetch_add(1, std::memory_order_acq_rel);  // odd: being changed
+    for (std::size_t i = 0; i < words.size(); ++i) words_[i].store(words[i], std::memory_order_release);
+    turn_.fetch_add(1, std::memory_order_release);
+  }
+  [[nodiscard]] bool operator==(const InstanceName<T>& name) const noexcept {
+    const Words words = words_of(name);
+    const std::uint32_t turn = turn_.load(std::memory_order_acquire);
+    if (turn % 2 != 0) return false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if (words_[i].load(std::memory_order_acquire) != words[i]) return false;
+    }
+    return turn_.load(std::memory_order_relaxed) == turn;
+  }
+
+ private:
+  using Words = std::array<std::uint64_t, sizeof(Text<32>) / sizeof(std::uint64_t) * key_count<T>()>;
+  static Words words_of(const InstanceName<T>& name) noexcept {
+    Words words{};
+    if constexpr (key_count<T>() > 0) std::memcpy(words.data(), name.data(), sizeof words);
+    return words;
+  }
+
+  std::atomic<std::uint32_t> turn_{0};
+  std::array<std::atomic<std::uint64_t>, std::tuple_size_v<Words>> words_{};
+};
+
+/// Who publishes. Strangers (whoever speaks by DDS) come under many names: when the table is full a new one
+/// takes the place of the one of theirs that was silent for longest.
+struct PublisherIdentity {
+  PublisherId id = kNobody;
+  bool of_strangers = false;
+};
+
 /// One topic within the process: its instances and who subscribed.
 template <class T>
 class Topic {
@@ -59,11 +101,19 @@ class Topic {
   static constexpr std::size_t kMaxInstances = kEverySampleCounts<T> ? 0 : (T::kKeyed ? 16 : 1);
   static constexpr std::size_t kMaxSubscriptions = 8;
   static constexpr std::size_t kQueueDepth = 256;
+  /// Of these, what is kept for samples that must arrive. When they too are spent, such a sample is the last
+  /// one in the queue, and another would say nothing new.
+  static constexpr std::size_t kKept = std::is_same_v<T, topic::ModeRequest> ? 16 : 0;
 
   struct Instance {
-    InstanceName<T> name{};
+    SharedName<T> name;
     std::atomic<PublisherId> owner{kNobody};
     Latest<T> latest;
+    bool kept = false;  ///< a Reader looks at it for ever; under the lock
+    mutable std::atomic<bool> looked_up{
+        false};                 ///< by name, since strangers' places were last looked through
+    bool in_use = false;        ///< was looked up before that; its owner's
+    std::uint64_t written = 0;  ///< which of the samples of strangers was the last; its owner's
   };
 
   struct Inbox {
@@ -74,20 +124,24 @@ class Topic {
     std::shared_ptr<Wakeup> wakeup;
   };
 
-  bool publish(const T& sample, PublisherId publisher) noexcept {
+  bool publish(const T& sample, PublisherIdentity publisher) noexcept {
     if constexpr (!kEverySampleCounts<T>) {
-      Instance* const instance = find_or_add(instance_name(sample));
-      if (!instance || !claim(*instance, publisher)) {
+      const InstanceName<T> name = instance_name(sample);
+      Instance* instance = find_or_add(name);
+      if (!instance && publisher.of_strangers) instance = replace_for(name, publisher.id);
+      if (!instance || !claim(*instance, publisher.id)) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return false;
       }
+      if (publisher.of_strangers) instance->written = ++strangers_samples_;
       instance->latest.write(sample);
     }
     const std::size_t count = inbox_count_.load(std::memory_order_acquire);
     for (std::size_t i = 0; i < count; ++i) {
       Inbox& inbox = *inboxes_[i];
-      if (!inbox.open.load(std::memory_order_relaxed) || inbox.except == publisher) continue;
-      if (!inbox.queue.push(sample)) inbox.lost.fetch_add(1, std::memory_order_relaxed);
+      if (!inbox.open.load(std::memory_order_relaxed) || inbox.except == publisher.id) continue;
+      if (!inbox.queue.push(sample, must_arrive(sample) ? 0 : kKept))
+        inbox.lost.fetch_add(1, std::memory_order_relaxed);
       if (inbox.wakeup) inbox.wakeup->ring();
     }
     return true;
@@ -98,12 +152,27 @@ class Topic {
     if (Instance* const found = find(name)) return found;
     if (instance_count_.load(std::memory_order_acquire) == kMaxInstances) return nullptr;
     const std::lock_guard lock{growing_};
-    if (Instance* const found = find(name)) return found;
-    const std::size_t count = instance_count_.load(std::memory_order_relaxed);
-    if (count == kMaxInstances) return nullptr;
-    instances_[count].name = name;
-    instance_count_.store(count + 1, std::memory_order_release);
-    return &instances_[count];
+    return find_or_add_locked(name);
+  }
+
+  /// For a Reader: the instance keeps its name from now on.
+  Instance* find_or_add_to_keep(const InstanceName<T>& name) noexcept {
+    const std::lock_guard lock{growing_};
+    Instance* const instance = find_or_add_locked(name);
+    if (instance) instance->kept = true;
+    return instance;
+  }
+
+  /// The newest sample under that name. Wait-free, also while the instance gets another name.
+  [[nodiscard]] std::optional<T> newest(const InstanceName<T>& name) noexcept {
+    const Instance* const instance = find(name);
+    if (!instance) return std::nullopt;
+    if (!instance->looked_up.load(std::memory_order_relaxed)) {
+      instance->looked_up.store(true, std::memory_order_relaxed);
+    }
+    const auto sample = instance->latest.read();
+    if (!sample || instance_name(sample->value) != name) return std::nullopt;
+    return sample->value;
   }
 
   Instance* find(const InstanceName<T>& name) noexcept {
@@ -150,12 +219,43 @@ class Topic {
                                                           owner, publisher, std::memory_order_acq_rel));
   }
 
+  Instance* find_or_add_locked(const InstanceName<T>& name) noexcept {
+    if (Instance* const found = find(name)) return found;
+    const std::size_t count = instance_count_.load(std::memory_order_relaxed);
+    if (count == kMaxInstances) return nullptr;
+    instances_[count].name.set(name);
+    instance_count_.store(count + 1, std::memory_order_release);
+    return &instances_[count];
+  }
+
+  /// Gives the place of the stranger who was silent for longest to another. Whoever was looked up lately,
+  /// such as he who holds the command, keeps his. Strangers' one thread.
+  Instance* replace_for(const InstanceName<T>& name, PublisherId strangers) noexcept {
+    const auto now = std::chrono::steady_clock::now();
+    const bool look_through = now - looked_through_ >= kLookedUpLately;
+    if (look_through) looked_through_ = now;
+    const std::lock_guard lock{growing_};
+    Instance* stalest = nullptr;
+    for (Instance& instance : instances_) {
+      if (instance.owner.load(std::memory_order_relaxed) != strangers) continue;
+      if (look_through) instance.in_use = instance.looked_up.exchange(false, std::memory_order_relaxed);
+      if (instance.kept || instance.in_use || instance.looked_up.load(std::memory_order_relaxed)) continue;
+      if (!stalest || instance.written < stalest->written) stalest = &instance;
+    }
+    if (stalest) stalest->name.set(name);
+    return stalest;
+  }
+
+  static constexpr Nanoseconds kLookedUpLately = 200ms;
+
   std::array<Instance, kMaxInstances> instances_{};
   std::atomic<std::size_t> instance_count_{0};
   std::array<std::unique_ptr<Inbox>, kMaxSubscriptions> inboxes_{};
   std::atomic<std::size_t> inbox_count_{0};
   std::atomic<std::uint64_t> refused_{0};
   std::mutex growing_;
+  std::uint64_t strangers_samples_ = 0;
+  std::chrono::steady_clock::time_point looked_through_{};
 };
 
 }  // namespace detail
@@ -167,26 +267,27 @@ template <class T>
 class Publisher {
  public:
   Publisher(Publisher&& other) noexcept
-      : topic_{std::exchange(other.topic_, nullptr)}, id_{std::exchange(other.id_, detail::kNobody)} {}
+      : topic_{std::exchange(other.topic_, nullptr)}, identity_{std::exchange(other.identity_, {})} {}
   Publisher& operator=(Publisher&& other) noexcept {
     std::swap(topic_, other.topic_);
-    std::swap(id_, other.id_);
+    std::swap(identity_, other.identity_);
     return *this;
   }
   ~Publisher() {
-    if (topic_) topic_->release(id_);
+    if (topic_) topic_->release(identity_.id);
   }
 
   /// Hands the sample to every reader and subscription. Wait-free but for the first sample of an instance.
   /// @returns false, and nobody gets it, when the instance belongs to another publisher or the table is full
-  bool publish(const T& sample) noexcept { return topic_->publish(sample, id_); }
+  bool publish(const T& sample) noexcept { return topic_->publish(sample, identity_); }
 
  private:
   friend class LocalBus;
-  Publisher(detail::Topic<T>& topic, detail::PublisherId id) : topic_{&topic}, id_{id} {}
+  Publisher(detail::Topic<T>& topic, detail::PublisherIdentity identity)
+      : topic_{&topic}, identity_{identity} {}
 
   detail::Topic<T>* topic_;
-  detail::PublisherId id_;
+  detail::PublisherIdentity identity_;
 };
 
 /// Sees the newest sample of one instance. A value; each copy remembers what it has seen. Wait-free, one
@@ -243,7 +344,15 @@ class LocalBus {
 
   template <class T>
   [[nodiscard]] Publisher<T> advertise() {
-    return Publisher<T>{of<T>(), next_id_.fetch_add(1, std::memory_order_relaxed)};
+    return Publisher<T>{of<T>(), {next_id_.fetch_add(1, std::memory_order_relaxed), false}};
+  }
+
+  /// For what comes in from outside: one of these a topic. When the table is full, a new instance takes the
+  /// place of the one of its own that was written least lately, unless that one was looked up by name within
+  /// the last fifth of a second or a Reader looks at it.
+  template <class T>
+  [[nodiscard]] Publisher<T> advertise_for_strangers() {
+    return Publisher<T>{of<T>(), {next_id_.fetch_add(1, std::memory_order_relaxed), true}};
   }
 
   /// Looks at one instance, which need not exist yet: `reader<topic::Mru>("mru1")`,
@@ -252,7 +361,7 @@ class LocalBus {
   [[nodiscard]] Reader<T> reader(const Names&... names) {
     static_assert(!kEverySampleCounts<T>, "of this topic every sample counts: subscribe to it");
     static_assert(sizeof...(Names) == detail::key_count<T>(), "name every key field of the topic, in order");
-    const auto* const instance = of<T>().find_or_add(detail::InstanceName<T>{Text<32>{names}...});
+    const auto* const instance = of<T>().find_or_add_to_keep(detail::InstanceName<T>{Text<32>{names}...});
     if (!instance) {
       throw StartupError{std::string{TopicTraits<T>::name} + " has no room for another instance: at most " +
                          std::to_string(detail::Topic<T>::kMaxInstances) + " can be told apart"};
@@ -265,7 +374,8 @@ class LocalBus {
   template <class T>
   [[nodiscard]] Subscription<T> subscribe(std::shared_ptr<Wakeup> wakeup = nullptr,
                                           const Publisher<T>* except = nullptr) {
-    return Subscription<T>{of<T>().subscribe(std::move(wakeup), except ? except->id_ : detail::kNobody)};
+    return Subscription<T>{
+        of<T>().subscribe(std::move(wakeup), except ? except->identity_.id : detail::kNobody)};
   }
 
   /// The newest sample of an instance, which need not be known before; nothing when there is none. Wait-free.
@@ -273,10 +383,7 @@ class LocalBus {
   [[nodiscard]] std::optional<T> newest(const Names&... names) const noexcept {
     static_assert(!kEverySampleCounts<T>, "of this topic every sample counts: subscribe to it");
     static_assert(sizeof...(Names) == detail::key_count<T>(), "name every key field of the topic, in order");
-    const auto* const instance = of<T>().find(detail::InstanceName<T>{Text<32>{names}...});
-    if (!instance) return std::nullopt;
-    const auto sample = instance->latest.read();
-    return sample ? std::optional<T>{sample->value} : std::nullopt;
+    return of<T>().newest(detail::InstanceName<T>{Text<32>{names}...});
   }
 
   /// Calls f(sample) with the newest sample of every instance that has one.

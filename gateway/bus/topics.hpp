@@ -175,4 +175,15 @@ inline constexpr bool kEverySampleCounts =
     TopicTraits<T>::qos == QosClass::event || TopicTraits<T>::qos == QosClass::request ||
     std::is_same_v<T, topic::Reference>;
 
+/// Whether the sample must reach its reader even when nobody had room for others. Several in succession say
+/// no more than one.
+template <class T>
+[[nodiscard]] constexpr bool must_arrive(const T& sample) noexcept {
+  if constexpr (std::is_same_v<T, topic::ModeRequest>) {
+    return sample.action == topic::ModeAction::settle;
+  } else {
+    return false;
+  }
+}
+
 }  // namespace motionlab::bus

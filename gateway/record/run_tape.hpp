@@ -61,7 +61,7 @@ inline constexpr bool kIsRare =
 /// Takes from a sample what a stopwatch measured: it cannot come back in a replay.
 template <class T>
 void without_stopwatch(T& sample) {
-  if constexpr (std::is_same_v<T, topic::Control>) sample.step_time_us = 0;
+  if constexpr (std::is_same_v<T, topic::Control>) sample.step_time_us = sample.step_cpu_us = 0;
 }
 
 /// One step as it lies in the ring: this, then its samples, each a SampleHead and its CDR.

@@ -39,10 +39,12 @@ std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
 }  // namespace
 
 ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-                         std::function<std::int64_t()> stopwatch, record::RunTape* tape)
+                         std::function<std::int64_t()> stopwatch,
+                         std::function<std::int64_t()> processor_time, record::RunTape* tape)
     : config_(config),
       inputs_(config, local, schedule),
       stopwatch_(std::move(stopwatch)),
+      processor_time_(std::move(processor_time)),
       tape_(tape),
       estimator_(config.belief),
       keeper_(keeper_of(config)),
@@ -90,6 +92,7 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
   if (tape_) tape_->begin(inputs);
   const LabTime t = from_ns(inputs.t_ns);
+  const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
   take_requests(inputs);
@@ -127,6 +130,7 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
   Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_->servo_omega_radps();
+  if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);

@@ -44,9 +44,11 @@ class Out {
 class ControlLoop {
  public:
   /// @param stopwatch  nanoseconds of a running clock, only to tell how long a step took; nothing in lockstep
+  /// @param processor_time  nanoseconds that the calling thread has computed, likewise
   /// @param tape  is told every step's inputs and what it published; null: nobody is
   ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmSchedule& schedule,
-              std::function<std::int64_t()> stopwatch = {}, record::RunTape* tape = nullptr);
+              std::function<std::int64_t()> stopwatch = {}, std::function<std::int64_t()> processor_time = {},
+              record::RunTape* tape = nullptr);
 
   /// Gathers the inputs at time t and takes the step.
   void step(LabTime t);
@@ -77,7 +79,7 @@ class ControlLoop {
   GatewayConfig config_;
   Inputs inputs_;
   Newest newest_;
-  std::function<std::int64_t()> stopwatch_;
+  std::function<std::int64_t()> stopwatch_, processor_time_;
   record::RunTape* tape_;
 
   estimator::LabEstimator estimator_;

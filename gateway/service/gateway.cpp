@@ -8,6 +8,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <ctime>
 #include <future>
 #include <thread>
 
@@ -34,6 +35,12 @@ std::int64_t monotonic_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
+std::int64_t thread_time_ns() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+}
+
 }  // namespace
 
 struct Gateway::Impl {
@@ -45,7 +52,7 @@ struct Gateway::Impl {
         devices(c, network, local, schedule,
                 [this](const topic::ArmCommand& sent) { lifeline.sent(sent.follow, sent.qd_wanted_radps); }),
         tape(c.record.inputs.empty() ? nullptr : std::make_unique<record::RunTape>(c.record.outputs_every)),
-        control(c, local, schedule, monotonic_ns, tape.get()),
+        control(c, local, schedule, monotonic_ns, thread_time_ns, tape.get()),
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),

@@ -99,7 +99,8 @@ class Replay {
     if (outputs_every_ == 0) refuse("does not say of which steps it keeps the outputs");
     const GatewayConfig config = parse_gateway_config({file_.string() + ", gateway.toml", configuration_});
     tape_.emplace(outputs_every_, kTape);
-    loop_.emplace(config, local_, schedule_, std::function<std::int64_t()>(), &*tape_);
+    loop_.emplace(config, local_, schedule_, std::function<std::int64_t()>(), std::function<std::int64_t()>(),
+                  &*tape_);
   }
 
   bool begin_step() {

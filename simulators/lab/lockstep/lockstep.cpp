@@ -22,7 +22,7 @@ Lockstep::Lockstep(const Config& config)
       devices_(config.gateway, network_, bus_, schedule_),
       control_(config.gateway, bus_, schedule_,
                config.timing ? std::function<std::int64_t()>(monotonic_ns) : std::function<std::int64_t()>(),
-               tape_.get()),
+               std::function<std::int64_t()>(), tape_.get()),
       requests_(bus_.advertise<topic::ModeRequest>()),
       period_(from_seconds(config.gateway.control_period_s)) {
   const auto& rule = config.gateway.record;

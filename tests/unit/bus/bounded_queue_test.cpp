@@ -33,6 +33,22 @@ TEST(BoundedQueue, RefusesTheNewWhenFullAndKeepsTheOld) {
   for (const int expected : {1, 2, 3, 5}) EXPECT_EQ(dut.pop(), expected);
 }
 
+TEST(BoundedQueue, LeavesCellsFreeForWhatMattersMore) {
+  BoundedQueue<int> dut{8};
+  for (int round = 0; round < 5; ++round) {  // at every place of the ring
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(dut.push(i, 3));
+    EXPECT_FALSE(dut.push(5, 3));
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(dut.push(100));
+    EXPECT_FALSE(dut.push(100));
+    for (const int expected : {0, 1, 2}) EXPECT_EQ(dut.pop(), expected);
+    EXPECT_FALSE(dut.push(6, 3)) << "the three free cells are the kept ones";
+    EXPECT_EQ(dut.pop(), 3);
+    EXPECT_TRUE(dut.push(6, 3));
+    for (const int expected : {4, 100, 100, 100, 6}) EXPECT_EQ(dut.pop(), expected);
+    EXPECT_FALSE(dut.pop());
+  }
+}
+
 struct Numbered {
   std::uint64_t producer;
   std::uint64_t number;

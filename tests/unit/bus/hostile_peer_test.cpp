@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <functional>
@@ -139,6 +140,71 @@ TEST(HostilePeer, IsSurvivedAndCounted) {
     const auto sample = inbox.next();
     return sample && sample->requester.view() == "rrrr" && sample->action == topic::ModeAction::engage;
   }));
+}
+
+/// Requests as fast as the machine lets a peer send them, at least ten thousand a second where it can.
+class Flood {
+ public:
+  explicit Flood(HostilePeer& peer)
+      : thread_{[this, &peer] {
+          for (unsigned n = 0; !over_; ++n) {
+            peer.send(request(4 + n % 20, n % 2 ? kEngage : kAuthority));
+            ++sent_;
+            if (n % 100 == 99) std::this_thread::sleep_for(5ms);
+          }
+        }} {}
+  ~Flood() {
+    over_ = true;
+    thread_.join();
+  }
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+
+ private:
+  static constexpr unsigned char kEngage = 1, kAuthority = 3;
+  std::atomic<bool> over_{false};
+  std::atomic<std::uint64_t> sent_{0};
+  std::thread thread_;
+};
+
+TEST(HostilePeer, FloodingRequestsNeitherFillsTheStepNorDrownsASettleThatIsSaidOnce) {
+  const int domain = 77 + static_cast<int>(getpid() % 140);
+  const auto loopback = [domain](const char* name) {
+    DdsConfig config;
+    config.domain = domain;
+    config.interface_whitelist = {"127.0.0.1"};
+    config.participant = name;
+    return config;
+  };
+  LocalBus local, elsewhere;
+  DdsBus dut{loopback("gateway"), local}, hand{loopback("hand"), elsewhere};
+  dut.in<topic::ModeRequest>();
+  hand.out<topic::ModeRequest>();
+  auto inbox = local.subscribe<topic::ModeRequest>();
+  auto said = elsewhere.advertise<topic::ModeRequest>();
+  dut.start();
+  hand.start();
+  HostilePeer peer{domain, "motionlab/mode_request", topic::ModeRequest::kTypeName};
+  ASSERT_TRUE(eventually(
+      [&] { return dut.matched<topic::ModeRequest>() == 2 && hand.matched<topic::ModeRequest>() == 1; }));
+  const auto begin = std::chrono::steady_clock::now();
+  const Flood flood{peer};
+  ASSERT_TRUE(eventually([&] { return dut.counters().refused_flood > 1000; })) << flood.sent();
+
+  topic::ModeRequest settle;
+  settle.requester = "hand";
+  settle.action = topic::ModeAction::settle;
+  ASSERT_TRUE(said.publish(settle));
+  std::uint64_t handed_on = 0;
+  EXPECT_TRUE(eventually([&] {
+    while (const auto sample = inbox.next()) {
+      ++handed_on;
+      if (sample->requester.view() == "hand" && sample->action == topic::ModeAction::settle) return true;
+    }
+    return false;
+  }));
+  const auto windows = (std::chrono::steady_clock::now() - begin) / Nanoseconds{10ms} + 2;
+  EXPECT_LE(dut.counters().taken, 48U * static_cast<std::uint64_t>(windows) + 1);
+  EXPECT_GT(handed_on, 0U);
 }
 
 }  // namespace

@@ -218,6 +218,80 @@ TEST(LocalBus, RequestsFromSeveralThreadsAllArriveAndRing) {
   for (auto& requester : requesters) requester.join();
 }
 
+TEST(LocalBus, DoesNotLoseASettleWhenNobodyTookTheOtherRequests) {
+  LocalBus bus;
+  auto inbox = bus.subscribe<topic::ModeRequest>();
+  auto publisher = bus.advertise<topic::ModeRequest>();
+  topic::ModeRequest request;
+  for (int i = 0; i < 10'000; ++i) {  // the last one said is a settle, whatever was lost before
+    request.action = i % 3 == 0 ? topic::ModeAction::settle : topic::ModeAction::engage;
+    request.sequence_number += 1;
+    publisher.publish(request);
+  }
+  EXPECT_GT(inbox.lost(), 0u);
+  topic::ModeAction last{};
+  while (const auto taken = inbox.next()) last = taken->action;
+  EXPECT_EQ(last, topic::ModeAction::settle);
+}
+
+topic::ArmCommand command(const std::string& requester, std::uint64_t number = 0) {
+  topic::ArmCommand sample;
+  sample.device = "arm";
+  sample.requester = requester;
+  sample.sequence_number = number;
+  return sample;
+}
+
+TEST(LocalBus, AStrangerUnderANewNameTakesThePlaceOfTheOneSilentForLongest) {
+  LocalBus bus;
+  auto ours = bus.advertise<topic::ArmCommand>();
+  auto strangers = bus.advertise_for_strangers<topic::ArmCommand>();
+  ASSERT_TRUE(ours.publish(command("gateway", 7)));
+  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(strangers.publish(command(std::to_string(i), 1))) << i;
+  EXPECT_TRUE(strangers.publish(command("pilot", 1)));
+  EXPECT_TRUE(bus.newest<topic::ArmCommand>("arm", "pilot"));
+  EXPECT_TRUE(bus.newest<topic::ArmCommand>("arm", "999"));
+  EXPECT_FALSE(bus.newest<topic::ArmCommand>("arm", "900"));
+  EXPECT_EQ(bus.newest<topic::ArmCommand>("arm", "gateway")->sequence_number, 7u)
+      << "ours is nobody's to take";
+  EXPECT_FALSE(strangers.publish(command("gateway", 8)));
+}
+
+TEST(LocalBus, AStrangerWhoIsHeededKeepsHisPlace) {
+  LocalBus bus;
+  auto strangers = bus.advertise_for_strangers<topic::ArmCommand>();
+  ASSERT_TRUE(strangers.publish(command("pilot", 1)));
+  for (int i = 0; i < 20'000; ++i) {
+    ASSERT_TRUE(bus.newest<topic::ArmCommand>("arm", "pilot")) << i;
+    ASSERT_TRUE(strangers.publish(command(std::to_string(i), 1))) << i;
+  }
+  auto reader = bus.reader<topic::ArmCommand>("arm", "19999");
+  std::this_thread::sleep_for(500ms);  // nobody has looked for long
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(strangers.publish(command("late " + std::to_string(i), 1))) << i;
+  EXPECT_EQ(reader.newest()->requester.view(), "19999") << "a Reader's place is its own for ever";
+  EXPECT_TRUE(strangers.publish(command("19999", 2)));
+  EXPECT_EQ(reader.newest()->sequence_number, 2u);
+}
+
+TEST(LocalBus, NobodyIsTakenForAnotherWhileNamesChange) {
+  LocalBus bus;
+  std::atomic<bool> over{false};
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 2; ++i) {
+    readers.emplace_back([&] {
+      for (int k = 0; !over; k = (k + 1) % 40) {
+        const std::string name = std::to_string(k);
+        const auto sample = bus.newest<topic::ArmCommand>("arm", name);
+        if (sample) ASSERT_EQ(sample->requester.view(), name);
+      }
+    });
+  }
+  auto strangers = bus.advertise_for_strangers<topic::ArmCommand>();
+  for (int i = 0; i < 50'000; ++i) (void)strangers.publish(command(std::to_string(i * 7 % 40)));
+  over = true;
+  for (auto& reader : readers) reader.join();
+}
+
 TEST(Wakeup, ManyRingsAreOne) {
   Wakeup dut;
   EXPECT_FALSE(dut.wait(0ns));
