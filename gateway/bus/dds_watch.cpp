@@ -275,15 +275,17 @@ class DdsWatch::Ear final : private fast::DataReaderListener {
   }
 
  private:
-  /// Asks for less when a new writer offers less, and looks in its partition too. Never for more: that would
-  /// bring kept samples again.
+  /// Begins with the first writer. Asks for less when a new one offers less, and looks in its partition too.
+  /// Never for more: that would bring kept samples again.
   void adapt() {
     const std::uint64_t changes = impl_.changes.load(std::memory_order_acquire);
     if (changes == changes_seen_) return;
     changes_seen_ = changes;
-    SeenQos asked = satisfied_by_all(impl_.endpoints_that([this](const SeenEndpoint& end) {
+    const std::vector<SeenEndpoint> writers = impl_.endpoints_that([this](const SeenEndpoint& end) {
       return end.writes && end.topic == topic_->get_name() && end.type == T::kTypeName;
-    }));
+    });
+    if (writers.empty()) return;  // what they will offer is not known yet
+    SeenQos asked = satisfied_by_all(writers);
     if (reader_) {
       asked.reliable = asked.reliable && asked_.reliable;
       asked.durability = std::min(asked.durability, asked_.durability);
