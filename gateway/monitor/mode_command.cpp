@@ -120,8 +120,8 @@ int run_mode(const Connection& connection, const ModeCommand& command, const Ter
   const bool granted = verdict && verdict->outcome == Outcome::granted;
   const std::string action{to_string(command.action)};
   const std::string sentence =
-      escaped(verdict ? verdict->sentence
-                      : nobody_answers(connection, std::max(connection.timeout_s, command.wait_ready_s));
+      verdict ? verdict->sentence
+              : nobody_answers(connection, std::max(connection.timeout_s, command.wait_ready_s));
   if (command.json) {
     nlohmann::ordered_json json;
     json["action"] = action;
