@@ -24,14 +24,31 @@ function(motionlab_library NAME)
   motionlab_register(${NAME} ${ARG_LAYER} ${ARG_DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
-# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …]): an executable of layer 8, installed.
+# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …] [MAN n]): an executable of layer 8, installed.
+#   MAN  section of the manual page that is made from its --help
 function(motionlab_program NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;EXTERNAL" ${ARGN})
+  cmake_parse_arguments(ARG "" "MAN" "SOURCES;LINKS;EXTERNAL" ${ARGN})
   file(RELATIVE_PATH DIRECTORY ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE motionlab_flags ${ARG_LINKS} ${ARG_EXTERNAL})
   install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(ARG_MAN AND NOT CMAKE_CROSSCOMPILING)  # the program is run
+    motionlab_made(${NAME} man_${NAME} ${NAME}.${ARG_MAN} ${CMAKE_INSTALL_MANDIR}/man${ARG_MAN} ${NAME}.${ARG_MAN}
+      DEPENDS ${PROJECT_SOURCE_DIR}/.cmake/man_page.py
+      COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/.cmake/man_page.py $<TARGET_FILE:${NAME}> ${NAME} ${ARG_MAN}
+              ${PROJECT_VERSION} ${CMAKE_CURRENT_BINARY_DIR}/${NAME}.${ARG_MAN})
+  endif()
   motionlab_register(${NAME} 8 ${DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
+endfunction()
+
+# motionlab_made(PROGRAM TARGET FILE FOLDER INSTALLED_NAME [DEPENDS …] COMMAND …): a file of this build folder that a
+# command makes with the help of a program of the house; installed.
+function(motionlab_made PROGRAM TARGET FILE FOLDER INSTALLED_NAME)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;COMMAND" ${ARGN})
+  add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${FILE} COMMAND ${ARG_COMMAND}
+                     DEPENDS ${PROGRAM} ${ARG_DEPENDS} VERBATIM)
+  add_custom_target(${TARGET} ALL DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/${FILE})
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${FILE} DESTINATION ${FOLDER} RENAME ${INSTALLED_NAME})
 endfunction()
 
 function(motionlab_register NAME LAYER DIRECTORY SOURCES LINKS)

@@ -17,19 +17,10 @@
 #include <type_traits>
 
 #include "drivers/core/text.hpp"
+#include "gateway/bus/refusal.hpp"
 #include "gateway/bus/topics.hpp"
 
 namespace motionlab::bus {
-
-/// Why an incoming sample is not handed on.
-enum class Refusal : std::uint8_t {
-  none,
-  malformed,  ///< too short, wrong encapsulation, a boolean that is neither 0 nor 1, a text without its end
-  text_too_long,  ///< longer than the IDL's bound
-  unknown_enum,   ///< a number that is no enumerator
-  not_finite,     ///< a NaN or infinity where TopicTraits<T>::may_be_nan does not allow it
-  count_
-};
 
 namespace detail {
 

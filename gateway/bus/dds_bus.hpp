@@ -10,16 +10,10 @@
 #include <vector>
 
 #include "drivers/core/time.hpp"
+#include "gateway/bus/dds_config.hpp"
 #include "gateway/bus/local_bus.hpp"
 
 namespace motionlab::bus {
-
-struct DdsConfig {
-  int domain = 42;                               ///< 0…232
-  std::vector<std::string> interface_whitelist;  ///< addresses of this host to use; empty: all of them
-  std::string participant = "motionlab";         ///< the name that DDS tools show
-  bool join_truth = false;                       ///< simulator and viewers only; the gateway never does
-};
 
 /// What happened since the start. Nothing here is fatal; a number that grows is a reason to look.
 struct DdsCounters {

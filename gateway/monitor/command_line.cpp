@@ -1,16 +1,28 @@
 #include "gateway/monitor/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/check_command.hpp"
+#include "gateway/monitor/completion.hpp"
+#include "gateway/monitor/delay_command.hpp"
+#include "gateway/monitor/echo_command.hpp"
 #include "gateway/monitor/mode_command.hpp"
+#include "gateway/monitor/nearest_name.hpp"
+#include "gateway/monitor/rate_command.hpp"
+#include "gateway/monitor/reference_command.hpp"
+#include "gateway/monitor/safe_text.hpp"
 #include "gateway/monitor/score_command.hpp"
 #include "gateway/monitor/status_command.hpp"
+#include "gateway/monitor/topic_table.hpp"
+#include "gateway/monitor/topics_command.hpp"
 
 namespace motionlab::monitor {
 namespace {
@@ -18,14 +30,16 @@ namespace {
 constexpr const char* kFooter = R"(
 Examples:
   motionlab status                            is everything fresh and healthy?
+  motionlab topics                            who writes and reads what on the bus
+  motionlab echo estimate --field swing_rad   how the load swings, as it happens
   motionlab engage --wait 30                  wait until the gateway is ready, then engage
   motionlab settle                            bring everything to rest, from anywhere, at any time
   motionlab reset                             acknowledge a latched fault once its cause is gone
-  motionlab score --seconds 60 --report r.json
-  motionlab check mru --listen 50043          which format does this unit send?
   motionlab --interface 127.0.0.1 status      a laboratory started by lab.sh
+Each command has more examples: motionlab COMMAND --help
 
-Exit codes: 0 good, 1 something is wrong or the gateway said no, 2 nobody answers, 64 wrong usage, 130 interrupted.)";
+Exit codes: 0 good, 1 something is wrong or the gateway said no, 2 nobody answers or nothing was heard,
+64 wrong usage, no such topic or field, or no connection, 130 interrupted.)";
 
 /// What the command line says, and which command it chose.
 struct Chosen {
@@ -34,6 +48,13 @@ struct Chosen {
   ModeCommand mode;
   ScoreCommand score;
   CheckMruCommand check_mru;
+  TopicsCommand topics;
+  EchoCommand echo;
+  RateCommand rate;
+  DelayCommand delay;
+  ReferenceCommand reference;
+  std::vector<double> place;
+  std::string shell;
   std::function<int(const Terminal&)> run;
 };
 
@@ -51,13 +72,33 @@ void add_common(CLI::App& app, Chosen& chosen) {
   app.add_flag("--json", chosen.json, "answer in JSON on standard output");
 }
 
-void add_mode_command(CLI::App& app, Chosen& chosen, topic::ModeAction action, const std::string& what) {
+topic::Authority authority_named(std::string_view name) {
+  for (const auto level : {topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited}) {
+    if (to_string(level) == name) return level;
+  }
+  return topic::Authority::full;
+}
+
+void add_mode_command(CLI::App& app, Chosen& chosen, topic::ModeAction action, const std::string& what,
+                      const std::string& examples) {
   CLI::App* const command = app.add_subcommand(std::string{to_string(action)}, what);
   if (action == topic::ModeAction::engage) {
     command->add_option("--wait", chosen.mode.wait_ready_s, "first wait so many seconds for ready (0)")
         ->check(CLI::Range(0.0, 3600.0));
     command->add_option("--at-ns", chosen.mode.at_ns, "ask at this laboratory time, in ns since 1970 (now)");
   }
+  if (action == topic::ModeAction::authority) {
+    command
+        ->add_option_function<std::string>(
+            "level", [&chosen](const std::string& level) { chosen.mode.authority = authority_named(level); },
+            "how much the gateway may do once engaged: observe sends nothing, shadow computes and publishes, "
+            "limited "
+            "sends at a tenth of the limits, full")
+        ->required()
+        ->type_name("LEVEL")
+        ->check(CLI::IsMember({"observe", "shadow", "limited", "full"}));
+  }
+  command->footer(examples);
   command->callback([&chosen, action] {
     chosen.mode.action = action;
     chosen.run = [&chosen](const Terminal& terminal) {
@@ -68,7 +109,13 @@ void add_mode_command(CLI::App& app, Chosen& chosen, topic::ModeAction action, c
 }
 
 void add_status(CLI::App& app, Chosen& chosen) {
-  app.add_subcommand("status", "mode, owner, reason, and one line for each device")->callback([&chosen] {
+  CLI::App* const command = app.add_subcommand("status", "mode, owner, reason, and one line for each device");
+  command->footer(R"(
+Examples:
+  motionlab status
+  motionlab status --json | jq .mode.state
+Ends with 0 when all is healthy, 1 when something is not.)");
+  command->callback([&chosen] {
     chosen.run = [&chosen](const Terminal& terminal) {
       return run_status(chosen.connection, chosen.json, terminal);
     };
@@ -85,9 +132,13 @@ void add_score(CLI::App& app, Chosen& chosen) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--start-ns", score.start_ns,
                       "laboratory time of second 0, in ns since 1970 (the first sample that is seen)");
-  command->add_option("--report", score.report_path, "write the report to this file");
+  command->add_option("--report", score.report_path, "write the report to this file")->type_name("FILE");
   command->add_option("--scenario", score.labels.scenario, "name of the scenario, for the report");
   command->add_option("--seed", score.labels.seed, "seed of the run, for the report");
+  command->footer(R"(
+Examples:
+  motionlab score --seconds 60 --report r.json
+  motionlab score --json > r.json             until Ctrl-C)");
   command->callback([&chosen] {
     chosen.run = [&chosen](const Terminal& terminal) {
       chosen.score.json = chosen.json;
@@ -110,10 +161,192 @@ void add_check(CLI::App& app, Chosen& chosen) {
       ->add_option("--variables", mru.variables,
                    "list of an mrubin unit, by number, with commas (the laboratory's)")
       ->delimiter(',');
+  command->footer(R"(
+Example:
+  motionlab check mru --listen 50043          which format does this unit send?)");
   command->callback([&chosen] {
     chosen.run = [&chosen](const Terminal& terminal) {
       chosen.check_mru.json = chosen.json;
       return run_check_mru(chosen.check_mru, terminal);
+    };
+  });
+}
+
+void add_topics(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("topics", "who writes and reads what on the bus, strangers included");
+  command->add_option("--wait", chosen.topics.wait_s, "seconds to listen: discovery has no end (2)")
+      ->check(CLI::Range(0.0, 3600.0));
+  command->add_flag("--endpoints", chosen.topics.endpoints, "also show every writer and reader");
+  command->footer(R"(
+Examples:
+  motionlab topics
+  motionlab topics --endpoints --wait 5
+  motionlab topics --json | jq '.topics[] | select(.known | not)'    what is not ours)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.topics.json = chosen.json;
+      return run_topics(chosen.connection, chosen.topics, terminal);
+    };
+  });
+}
+
+void add_topic_name(CLI::App& command, std::string& topic) {
+  command.add_option("topic", topic, "e.g. motionlab/mru, or mru for short; see motionlab topics")
+      ->required()
+      ->type_name("TOPIC");
+}
+
+void add_echo(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command = app.add_subcommand("echo", "the samples of a topic, as they come");
+  EchoCommand& echo = chosen.echo;
+  add_topic_name(*command, echo.topic);
+  command
+      ->add_option("--field", echo.fields,
+                   "only this field, e.g. p_world_load_m[2]; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("PATH");
+  command->add_option("--device", echo.device, "only samples of this device")->type_name("NAME");
+  CLI::Option* const count =
+      command->add_option("--count", echo.count, "end after so many samples (until Ctrl-C)")
+          ->check(CLI::PositiveNumber);
+  command
+      ->add_flag_callback(
+          "--once", [&echo] { echo.count = 1; }, "end after the first sample")
+      ->excludes(count);
+  command->add_flag_callback(
+      "--csv", [&echo] { echo.format = EchoCommand::Format::csv; },
+      "as CSV with a header; --json: one line a sample");
+  command->footer(R"(
+Examples:
+  motionlab echo mode --once
+  motionlab echo estimate --field swing_rad --field p_world_load_m[2]
+  motionlab echo mru --device mru1 --json --count 1000 > mru1.jsonl
+  motionlab echo arm_state --csv > arm.csv
+Nothing within --timeout seconds ends it with 2.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      if (chosen.json && chosen.echo.format == EchoCommand::Format::csv) {
+        throw StartupError{"--json and --csv exclude each other: choose one"};
+      }
+      if (chosen.json) chosen.echo.format = EchoCommand::Format::json;
+      return run_echo(chosen.connection, chosen.echo, terminal);
+    };
+  });
+}
+
+void add_rate(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("rate", "how fast and how even a topic is, and what is missing of it");
+  RateCommand& rate = chosen.rate;
+  add_topic_name(*command, rate.topic);
+  command->add_option("--window", rate.window_s, "seconds to measure, from the first sample on (5)")
+      ->check(CLI::Range(0.1, 3600.0));
+  command->add_option("--count", rate.count, "end after so many samples")->check(CLI::PositiveNumber);
+  command->add_option("--at-least", rate.at_least_hz, "end with 1 when any instance is slower, in Hz")
+      ->check(CLI::PositiveNumber);
+  command->footer(R"(
+Examples:
+  motionlab rate mru
+  motionlab rate bodies --window 60 --json
+  motionlab rate arm_state --at-least 190 || echo "the arm is slow"
+The rate comes from the samples' own numbers and stamps, never from when they arrived. "missing numbers" are gaps in a
+device's own count; "lost on DDS" are samples that were written, but not heard here.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.rate.json = chosen.json;
+      return run_rate(chosen.connection, chosen.rate, terminal);
+    };
+  });
+}
+
+void add_delay(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("delay", "how old the data is, hop by hop, from the measurement to here");
+  command->add_option("--window", chosen.delay.window_s, "seconds to measure, from the first sample on (5)")
+      ->check(CLI::Range(0.1, 600.0));
+  command->footer(R"(
+Examples:
+  motionlab delay
+  motionlab delay --window 60 --json
+Hops between two clocks are true on one host, or as good as the hosts' synchronisation; the answer says which.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.delay.json = chosen.json;
+      return run_delay(chosen.connection, chosen.delay, terminal);
+    };
+  });
+}
+
+void add_reference(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("reference", "where the load shall be; without a place: where it is");
+  ReferenceCommand& reference = chosen.reference;
+  command->add_option("place", chosen.place, "x y z of the load in metres, z up; negative numbers after --")
+      ->expected(0, 3)
+      ->type_name("METRES");
+  command->add_flag("--by", reference.by, "the place is relative to where the load is now");
+  command
+      ->add_option_function<std::string>(
+          "--frame",
+          [&reference](const std::string& frame) {
+            reference.frame = frame == "world" ? topic::ReferenceFrame::world : topic::ReferenceFrame::em1500;
+          },
+          "what carries the place: the world, or the second ship (world)")
+      ->check(CLI::IsMember({"world", "em1500"}));
+  command
+      ->add_option("--wait", reference.wait_s,
+                   "wait so many seconds until the load is there, else end with 1 (0)")
+      ->check(CLI::Range(0.0, 3600.0));
+  command->add_option("--within", reference.within_m, "how near is there, in metres (0.02)")
+      ->check(CLI::PositiveNumber);
+  command->footer(R"(
+Examples:
+  motionlab reference                         where is the load?
+  motionlab reference 0.85 0.3 3.9 --wait 30
+  motionlab reference --by -- 0 0.1 -0.05     ten centimetres to port, five down
+The gateway approaches it within its own limits.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      ReferenceCommand& wanted = chosen.reference;
+      wanted.json = chosen.json;
+      if (!chosen.place.empty() && chosen.place.size() != 3) {
+        throw StartupError{"a place is three numbers, x y z in metres; see motionlab reference --help"};
+      }
+      if (!std::ranges::all_of(chosen.place, [](double x) { return std::isfinite(x); })) {
+        throw StartupError{"a place is three finite numbers, x y z in metres"};
+      }
+      const bool on_second_ship = wanted.frame == topic::ReferenceFrame::em1500;
+      if (chosen.place.empty() && (wanted.by || on_second_ship || wanted.wait_s > 0)) {
+        throw StartupError{"--by, --frame and --wait belong to a place: give x y z in metres"};
+      }
+      if (on_second_ship && (wanted.by || wanted.wait_s > 0)) {
+        throw StartupError{"--by and --wait are about the world: leave them away with --frame em1500"};
+      }
+      if (!chosen.place.empty()) wanted.p_world_load_m = {chosen.place[0], chosen.place[1], chosen.place[2]};
+      return run_reference(chosen.connection, wanted, terminal);
+    };
+  });
+}
+
+void add_completion(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("completion", "prints a script that completes this command line");
+  command->add_option("shell", chosen.shell, "of which shell")
+      ->required()
+      ->type_name("SHELL")
+      ->check(CLI::IsMember({"bash", "zsh"}));
+  command->footer(R"(
+Examples:
+  source <(motionlab completion bash)
+  motionlab completion zsh > ~/.zfunc/_motionlab
+The package installs both.)");
+  command->callback([&app, &chosen] {
+    chosen.run = [&app, &chosen](const Terminal& terminal) {
+      ChoicesByKind choices;
+      for (const TopicDescription& topic : every_topic()) choices["TOPIC"].emplace_back(topic.name);
+      terminal.out << (chosen.shell == "bash" ? bash_completion(app, choices) : zsh_completion(app, choices));
+      return static_cast<int>(kExitGood);
     };
   });
 }
@@ -127,11 +360,28 @@ int run_command_line(int argc, const char* const* argv, const Terminal& terminal
   app.fallthrough();
   add_common(app, chosen);
   add_status(app, chosen);
-  add_mode_command(app, chosen, topic::ModeAction::engage, "ask the gateway to keep the load still");
-  add_mode_command(app, chosen, topic::ModeAction::settle, "bring everything to rest");
-  add_mode_command(app, chosen, topic::ModeAction::reset, "acknowledge a latched fault");
+  add_topics(app, chosen);
+  add_echo(app, chosen);
+  add_rate(app, chosen);
+  add_delay(app, chosen);
+  add_mode_command(app, chosen, topic::ModeAction::engage, "ask the gateway to keep the load still", R"(
+Examples:
+  motionlab engage --wait 30                  wait until the gateway is ready, then engage)");
+  add_mode_command(app, chosen, topic::ModeAction::settle, "bring everything to rest", R"(
+Example:
+  motionlab settle                            from anywhere, at any time; needs no permission)");
+  add_mode_command(app, chosen, topic::ModeAction::reset, "acknowledge a latched fault", R"(
+Example:
+  motionlab reset                             once the cause of the fault is gone)");
+  add_mode_command(app, chosen, topic::ModeAction::authority, "how much the gateway may do once engaged", R"(
+Examples:
+  motionlab authority shadow                  compute and publish, send nothing
+  motionlab authority limited                 at a tenth of the limits
+More is granted only while nothing moves: settle first.)");
+  add_reference(app, chosen);
   add_score(app, chosen);
   add_check(app, chosen);
+  add_completion(app, chosen);
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);
@@ -141,7 +391,12 @@ int run_command_line(int argc, const char* const* argv, const Terminal& terminal
     if (unknown.empty()) {
       app.exit(error, terminal.out, terminal.err);
     } else {
-      terminal.err << "motionlab: there is no " << unknown.front() << "; see motionlab --help\n";
+      std::vector<std::string> names;
+      for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(command->get_name());
+      }
+      terminal.err << "motionlab: there is no " << escaped(unknown.front())
+                   << did_you_mean(unknown.front(), names) << " See motionlab --help\n";
     }
     return kExitUsage;
   } catch (const CLI::ParseError& error) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <ostream>
 
+#include "gateway/monitor/safe_text.hpp"
 #include "gateway/monitor/text.hpp"
 #include "gateway/monitor/topic_json.hpp"
 #include "gateway/monitor/verdict.hpp"
@@ -38,6 +39,7 @@ class Petition {
     request_.requester = requester_name();
     request_.sequence_number = static_cast<std::uint64_t>(to_ns(start_));  // grows from run to run
     request_.action = action_;
+    request_.authority = command.authority;
   }
 
   /// The end of it; a pending verdict when time was over, nothing when no mode was heard.
@@ -89,6 +91,7 @@ class Petition {
     if (!asked)
       return Verdict{Outcome::pending, "the gateway is " + std::string{to_string(now_->state)} +
                                            ", but it does not listen to requests"};
+    if (action_ == ModeAction::authority) return judge_authority(request_.authority, before_, *now_);
     return judge(action_, before_, *now_, request_.requester.view());
   }
 
@@ -128,14 +131,14 @@ int run_mode(const Connection& connection, const ModeCommand& command, const Ter
     terminal.out << json_text(json);
   }
   if (granted) {
-    if (!command.json) terminal.out << Paint{terminal.colour}(Ink::good, sentence) << "\n";
+    if (!command.json) terminal.out << Paint{terminal.colour}(Ink::good, escaped(sentence)) << "\n";
     return kExitGood;
   }
   if (terminal.interrupted) {
     terminal.err << "interrupted; whether the gateway will " << action << " is not known\n";
     return kExitInterrupted;
   }
-  if (!command.json) terminal.err << action << ": " << sentence << "\n";
+  if (!command.json) terminal.err << action << ": " << escaped(sentence) << "\n";
   return verdict ? kExitWrong : kExitNobody;
 }
 

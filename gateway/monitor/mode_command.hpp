@@ -1,4 +1,4 @@
-/// @file  `motionlab settle|engage|reset`: asks the gateway for a mode and waits until it is so.
+/// @file  `motionlab settle|engage|reset|authority`: asks the gateway for a mode and waits until it is so.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 namespace motionlab::monitor {
 
 struct ModeCommand {
-  topic::ModeAction action = topic::ModeAction::settle;  ///< settle, engage or reset
+  topic::ModeAction action = topic::ModeAction::settle;
+  topic::Authority authority{};       ///< authority only: the wanted one
   double wait_ready_s = 0;            ///< engage only: how long to wait for `ready` before asking
   std::optional<std::int64_t> at_ns;  ///< engage only: laboratory time before which is not asked
   bool json = false;

@@ -3,11 +3,19 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <iostream>
+#include <string_view>
 
 #include "gateway/monitor/command_line.hpp"
 
 namespace {
+
+/// Whether the environment says anything under this name.
+bool said(const char* name) {
+  const char* const value = std::getenv(name);
+  return value && *value != '\0';
+}
 
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may write it");
@@ -20,6 +28,10 @@ int main(int argc, char** argv) {
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends it at once
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  const bool colour = isatty(STDOUT_FILENO) == 1;
-  return motionlab::monitor::run_command_line(argc, argv, {std::cout, std::cerr, colour, interrupted});
+  const char* const term = std::getenv("TERM");
+  const bool dumb = term && std::string_view{term} == "dumb";
+  const bool colour = isatty(STDOUT_FILENO) == 1 && !dumb && !said("NO_COLOR");
+  const bool progress = isatty(STDERR_FILENO) == 1 && !dumb;
+  return motionlab::monitor::run_command_line(argc, argv,
+                                              {std::cout, std::cerr, colour, interrupted, progress});
 }

@@ -8,8 +8,6 @@
 #include "gateway/monitor/text.hpp"
 
 namespace motionlab::monitor {
-namespace {
-
 bus::DdsConfig dds_config(const Connection& connection, bool join_truth) {
   bus::DdsConfig config;
   config.domain = connection.domain;
@@ -18,8 +16,6 @@ bus::DdsConfig dds_config(const Connection& connection, bool join_truth) {
   config.join_truth = join_truth;
   return config;
 }
-
-}  // namespace
 
 Session::Session(const Connection& connection, bool join_truth)
     : dds{dds_config(connection, join_truth), local} {}
@@ -34,8 +30,7 @@ std::string nobody_answers(const Connection& connection, double waited_s) {
   }
   return "nobody answers on " + where + " within " + fixed(waited_s, 1) +
          " s: is motionlab-gateway running, and in this domain and on this network? (--domain, --interface; "
-         "a "
-         "gateway started by lab.sh is at --interface 127.0.0.1)";
+         "a gateway started by lab.sh is at --interface 127.0.0.1)";
 }
 
 std::string requester_name() {

@@ -37,7 +37,11 @@ struct Terminal {
   std::ostream& err;
   bool colour;
   const std::atomic<bool>& interrupted;
+  bool progress = false;  ///< `err` is a terminal: long work may show there how far it is
 };
+
+/// As every command reaches DDS.
+[[nodiscard]] bus::DdsConfig dds_config(const Connection& connection, bool join_truth = false);
 
 /// One participant with a bus of its own. Choose topics of `dds`, then `dds.start()`.
 struct Session {

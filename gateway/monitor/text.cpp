@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "drivers/core/result.hpp"
+#include "gateway/monitor/safe_text.hpp"
 
 namespace motionlab::monitor {
 namespace {
@@ -97,20 +98,20 @@ std::string fixed(double value, int decimals) {
 std::string mode_line(const topic::Mode& mode, Paint paint) {
   std::string text = paint(ink_of(mode.state), to_string(mode.state));
   text += joined(", authority ", to_string(mode.authority));
-  if (!mode.owner.empty()) text += joined(", owner ", mode.owner.view());
-  if (!mode.fault_code.empty()) text += joined(", ", mode.fault_code.view());
-  if (!mode.reason.empty()) text += joined(": ", mode.reason.view());
+  if (!mode.owner.empty()) text += joined(", owner ", escaped(mode.owner.view()));
+  if (!mode.fault_code.empty()) text += joined(", ", escaped(mode.fault_code.view()));
+  if (!mode.reason.empty()) text += joined(": ", escaped(mode.reason.view()));
   return text;
 }
 
 std::string device_line(const topic::Health& health, Paint paint) {
-  std::string text = joined(left(health.device.view(), 10), " ",
+  std::string text = joined(left(escaped(health.device.view()), 10), " ",
                             paint(ink_of(health.link), left(to_string(health.link), 10)));
   text += joined(" ", right(fixed(health.rate_hz, 1), 7), " Hz  age ", right(age_ms(health.age_s), 7),
                  " ms (max ", age_ms(health.age_max_s), " of ", age_ms(health.stale_after_s), ")  lost ",
                  std::to_string(health.lost), "  ", rejects(health));
   if (!health.required) text += "  optional";
-  if (!health.advice.empty()) text += joined("  ", paint(Ink::caution, health.advice.view()));
+  if (!health.advice.empty()) text += joined("  ", paint(Ink::caution, escaped(health.advice.view())));
   return text;
 }
 
@@ -119,7 +120,7 @@ void HealthSummary::add(const topic::Health& health) {
   if (health.link == topic::LinkState::up) {
     ++up;
   } else if (trouble.empty()) {
-    trouble = joined(health.device.view(), " ", to_string(health.link));
+    trouble = joined(escaped(health.device.view()), " ", to_string(health.link));
   }
 }
 
@@ -176,11 +177,11 @@ std::string summary(const Report& report) {
          age_ms(1e-6 * age->max), " ms");
   }
   for (const Freshness& device : report.freshness) {
-    line(device.device, "greatest age ", age_ms(device.age_max_s), " of the allowed ",
+    line(escaped(device.device), "greatest age ", age_ms(device.age_max_s), " of the allowed ",
          age_ms(device.stale_after_s), " ms");
   }
   for (const FaultReport& fault : report.faults)
-    line("fault", "at ", fixed(fault.t_s, 2), " s: ", fault.fault);
+    line("fault", "at ", fixed(fault.t_s, 2), " s: ", escaped(fault.fault));
   return text;
 }
 

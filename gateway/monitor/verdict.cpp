@@ -79,4 +79,12 @@ Verdict judge(ModeAction action, const std::optional<Mode>& before, const Mode& 
   return {Outcome::refused, "this request is not known here"};
 }
 
+Verdict judge_authority(topic::Authority wanted, const std::optional<Mode>& before, const Mode& now) {
+  if (now.authority == wanted) return {Outcome::granted, "authority is " + std::string{to_string(wanted)}};
+  const bool changed = before && now.sequence_number != before->sequence_number;
+  if (changed && now.fault_code.view() == "authority_refused") return refused("refused", now);
+  return {Outcome::pending,
+          "authority stays " + std::string{to_string(now.authority)} + ": " + now.reason.str()};
+}
+
 }  // namespace motionlab::monitor

@@ -33,4 +33,9 @@ struct Verdict {
 [[nodiscard]] Verdict judge(topic::ModeAction action, const std::optional<topic::Mode>& before,
                             const topic::Mode& now, std::string_view requester);
 
+/// Judges a request for another authority: granted when the mode shows it, refused when the gateway says that
+/// it is.
+[[nodiscard]] Verdict judge_authority(topic::Authority wanted, const std::optional<topic::Mode>& before,
+                                      const topic::Mode& now);
+
 }  // namespace motionlab::monitor

@@ -193,7 +193,7 @@ TEST_F(CommandLine, ShowsExamplesWithHelp) {
 }
 
 TEST_F(CommandLine, DoesNotKnowWhatDoesNotWorkYet) {
-  for (const char* word : {"authority", "topics", "record", "doctor"}) {
+  for (const char* word : {"teleport", "dance"}) {
     const Answer run = bare({"motionlab", word});
     EXPECT_EQ(run.exit_code, 64) << word;
     EXPECT_THAT(run.err, HasSubstr(word));
@@ -214,7 +214,7 @@ TEST_F(CommandLine, NamesTheInterfacesWhenTheGivenOneDoesNotExist) {
 
 TEST_F(CommandLine, SaysWhereItLookedWhenNobodyAnswers) {
   const std::string domain = "domain " + std::to_string(own_domain());
-  for (const char* word : {"status", "engage", "settle", "reset", "score"}) {
+  for (const char* word : {"status", "engage", "settle", "reset", "score", "delay"}) {
     const Answer run = motionlab({word, "--timeout", "0.2"});
     EXPECT_EQ(run.exit_code, 2) << word;
     EXPECT_THAT(run.err, HasSubstr("nobody answers on DDS " + domain + ", interface 127.0.0.1"));
@@ -224,7 +224,7 @@ TEST_F(CommandLine, SaysWhereItLookedWhenNobodyAnswers) {
 
 TEST_F(CommandLine, StopsWaitingWhenInterrupted) {
   interrupted_ = true;
-  for (const char* word : {"status", "engage", "settle", "reset", "score"}) {
+  for (const char* word : {"status", "engage", "settle", "reset", "score", "delay"}) {
     EXPECT_EQ(motionlab({word, "--timeout", "600"}).exit_code, 130) << word;
   }
 }
@@ -386,6 +386,162 @@ TEST_F(CommandLine, SaysWhyAFaultStays) {
   const Answer run = motionlab({"reset", "--timeout", "60"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.err, "reset: the fault stays (arm_stale): the arm is still silent\n");
+}
+
+TEST_F(CommandLine, OffersTheNearestCommand) {
+  EXPECT_THAT(bare({"motionlab", "statsu"}).err, HasSubstr("there is no statsu; do you mean status?"));
+}
+
+TEST_F(CommandLine, HasExamplesForEveryCommand) {
+  for (const char* word : {"status", "topics", "echo", "rate", "delay", "engage", "settle", "reset",
+                           "authority", "reference", "score", "completion"}) {
+    const Answer run = bare({"motionlab", word, "--help"});
+    EXPECT_EQ(run.exit_code, 0) << word;
+    EXPECT_THAT(run.out,
+                testing::ContainsRegex("Examples?:\n  (source <\\()?motionlab " + std::string{word}));
+  }
+}
+
+TEST_F(CommandLine, GrantsAnAuthorityWhenTheModeShowsIt) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.answer = [](FakeGateway& self, const topic::ModeRequest& request) {
+    if (request.action != ModeAction::authority) return;
+    self.mode().authority = request.authority;
+    self.enter(ModeState::ready);
+  };
+  gateway.start();
+  const Answer run = motionlab({"authority", "limited", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, "authority is limited\n");
+  EXPECT_EQ(bare({"motionlab", "authority", "some"}).exit_code, 64);
+  EXPECT_EQ(bare({"motionlab", "authority"}).exit_code, 64);
+}
+
+TEST_F(CommandLine, SaysWhyAnAuthorityIsRefused) {
+  FakeGateway gateway{ModeState::engaged};
+  gateway.answer = [](FakeGateway& self, const topic::ModeRequest&) {
+    self.enter(ModeState::engaged, "authority_refused", "settle first");
+  };
+  gateway.start();
+  const Answer run = motionlab({"authority", "full", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.err, "authority: refused (authority_refused): settle first\n");
+}
+
+TEST_F(CommandLine, LetsTheGatewayWriteNoControlCharacters) {
+  FakeGateway gateway{ModeState::ready, "", "\033[2Jall is well"};
+  gateway.start();
+  const Answer run = motionlab({"status", "--timeout", "60"});
+  EXPECT_THAT(run.out, HasSubstr("\\x1b[2Jall is well"));
+}
+
+TEST_F(CommandLine, EchoesAKeptSampleAndSelectedFields) {
+  FakeGateway gateway{ModeState::ready, "", "all is well"};
+  gateway.start();
+  const Answer text = motionlab({"echo", "mode", "--once", "--field", "reason", "--timeout", "60"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_EQ(text.out, "reason all is well\n");
+  const Answer block = motionlab({"echo", "motionlab/mode", "--once", "--timeout", "60"});
+  EXPECT_THAT(block.out, testing::ContainsRegex("\nstate +ready\n"));
+}
+
+TEST_F(CommandLine, EchoesJsonLinesAndCsvOfOneDevice) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.start();
+  const Answer lines =
+      motionlab({"echo", "health", "--json", "--count", "3", "--device", "arm", "--timeout", "60"});
+  EXPECT_EQ(lines.exit_code, 0) << lines.err;
+  std::istringstream in{lines.out};
+  int count = 0;
+  for (std::string line; std::getline(in, line); ++count) EXPECT_EQ(Json::parse(line)["device"], "arm");
+  EXPECT_EQ(count, 3);
+  const Answer csv = motionlab({"echo", "health", "--csv", "--count", "2", "--device", "arm", "--field",
+                                "device", "--field", "rejected[2]", "--timeout", "60"});
+  EXPECT_EQ(csv.out, "device,rejected[2]\narm,0\narm,0\n");
+}
+
+TEST_F(CommandLine, EchoNamesWhatDoesNotExistAndWhatIsNear) {
+  const Answer field = motionlab({"echo", "estimate", "--field", "swing_rd"});
+  EXPECT_EQ(field.exit_code, 64);
+  EXPECT_THAT(field.err, HasSubstr("no field swing_rd in motionlab/estimate; do you mean swing_rad?"));
+  const Answer topic = motionlab({"echo", "estimat", "--timeout", "0.1"});
+  EXPECT_EQ(topic.exit_code, 64);
+  EXPECT_THAT(topic.err, HasSubstr("no topic estimat; do you mean motionlab/estimate?"));
+  EXPECT_EQ(motionlab({"echo", "mode", "--device", "arm"}).exit_code, 64);
+  EXPECT_EQ(motionlab({"echo", "mode", "--json", "--csv"}).exit_code, 64);
+  EXPECT_EQ(motionlab({"echo", "mode", "--once", "--count", "2"}).exit_code, 64);
+  EXPECT_EQ(motionlab({"echo"}).exit_code, 64);
+}
+
+TEST_F(CommandLine, EndsWithTwoWhenNothingIsHeardAndSaysWhetherAnybodyWrites) {
+  for (const char* word : {"echo", "rate"}) {
+    const Answer nobody = motionlab({word, "mru", "--timeout", "0.2"});
+    EXPECT_EQ(nobody.exit_code, 2) << word;
+    EXPECT_THAT(nobody.err, HasSubstr("nobody writes motionlab/mru"));
+    EXPECT_THAT(nobody.out, IsEmpty());
+  }
+  FakeGateway gateway{ModeState::ready};  // has a writer of the truth, which says nothing
+  gateway.start();
+  const Answer silent = motionlab({"echo", "truth/world", "--timeout", "6"});
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_THAT(silent.err, HasSubstr("fake gateway on"));
+  EXPECT_THAT(silent.err, HasSubstr("has a writer of truth/world, but it said nothing within 6.0 s"));
+}
+
+TEST_F(CommandLine, MeasuresARateAndJudgesIt) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.start();
+  const Answer run =
+      motionlab({"rate", "control", "--count", "20", "--window", "60", "--json", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["stamp"], "t_snapshot_ns");
+  EXPECT_EQ(json["heard"], 20);
+  const Answer slow = motionlab(
+      {"rate", "control", "--count", "20", "--window", "60", "--at-least", "100000", "--timeout", "60"});
+  EXPECT_EQ(slow.exit_code, 1);
+  EXPECT_THAT(slow.out, HasSubstr("lost on DDS"));
+}
+
+TEST_F(CommandLine, MeasuresDelays) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.start();
+  const Answer run = motionlab({"delay", "--window", "1", "--json", "--timeout", "60"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  bool found = false;
+  for (const Json& hop : json["hops"]) {
+    if (hop["hop"] != "measured -> control step" || hop["of"] != "mru") continue;
+    found = true;
+    EXPECT_EQ(hop["p50"], 2500.0);
+  }
+  EXPECT_TRUE(found) << run.out;
+}
+
+TEST_F(CommandLine, ListsTheTopicsOnTheBus) {
+  FakeGateway gateway{ModeState::ready};
+  gateway.start();
+  Json json;
+  for (int i = 0; i < 20 && json["topics"].size() < 6; ++i) {  // discovery takes as long as it takes
+    json = Json::parse(motionlab({"topics", "--wait", "2", "--json"}).out);
+  }
+  std::vector<std::string> names;
+  for (const Json& topic : json["topics"]) names.push_back(topic["topic"]);
+  EXPECT_THAT(names, testing::IsSupersetOf({"motionlab/mode", "motionlab/mode_request", "truth/world"}));
+  EXPECT_EQ(motionlab({"topics", "--wait", "0"}).exit_code, 2);
+}
+
+TEST_F(CommandLine, TellsAReferenceAndSaysThatTheGatewayIsNotEngaged) {
+  const Answer nobody = motionlab({"reference", "0.8", "0.3", "3.9", "--timeout", "0.2"});
+  EXPECT_EQ(nobody.exit_code, 2);
+  EXPECT_THAT(nobody.err, HasSubstr("nobody listens"));
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"reference", "1", "2"},
+                                                {"reference", "1", "2", "nan"},
+                                                {"reference", "--by"},
+                                                {"reference", "--frame", "moon", "1", "2", "3"},
+                                                {"reference", "1", "2", "3", "--frame", "em1500", "--by"}}) {
+    EXPECT_EQ(motionlab(wrong).exit_code, 64) << wrong.back();
+  }
 }
 
 TEST_F(CommandLine, TakesDomainAndInterfaceFromTheEnvironment) {

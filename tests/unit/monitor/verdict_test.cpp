@@ -85,5 +85,22 @@ TEST(Reset, IsRefusedWhenTheGatewayLatchesItAgain) {
   EXPECT_EQ(judge(ModeAction::reset, before, after, "").outcome, Outcome::refused);
 }
 
+TEST(Authority, IsGrantedWhenTheModeShowsIt) {
+  topic::Mode now = mode(ModeState::ready, 6);
+  now.authority = topic::Authority::limited;
+  EXPECT_EQ(judge_authority(topic::Authority::limited, mode(ModeState::ready, 5), now).outcome,
+            Outcome::granted);
+  EXPECT_EQ(judge_authority(topic::Authority::full, mode(ModeState::ready, 5), now).outcome,
+            Outcome::pending);
+}
+
+TEST(Authority, IsRefusedOnlyByAnAnswerThatIsNewerThanTheRequest) {
+  const topic::Mode refusal = mode(ModeState::engaged, 6, "authority_refused", "settle first");
+  EXPECT_EQ(judge_authority(topic::Authority::full, refusal, refusal).outcome, Outcome::pending);
+  const Verdict verdict = judge_authority(topic::Authority::full, mode(ModeState::engaged, 5), refusal);
+  EXPECT_EQ(verdict.outcome, Outcome::refused);
+  EXPECT_EQ(verdict.sentence, "refused (authority_refused): settle first");
+}
+
 }  // namespace
 }  // namespace motionlab::monitor
