@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What takes hours: every fuzzer for ten million executions, and the laboratory over many seeds.
-#   tests/soak.sh [--runs N] [--seeds N] [--only fuzz|lab|study]
+# What takes hours: every fuzzer for ten million executions, floods in earnest, and the laboratory over many seeds.
+#   tests/soak.sh [--runs N] [--seeds N] [--only flood|fuzz|lab|study]
 #     --runs N    executions of each fuzzer (10000000)
 #     --seeds N   seeds of each scenario in lockstep (20); a tenth as many, at least one, on real sockets
 # After tests/run.sh, whose packages and builds it needs. Logs are in build/soak-log.
@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 runs=10000000 seeds=20 only=''
 while (($#)); do
   case $1:${2:-} in
-    --runs:[1-9]* | --seeds:[1-9]* | --only:fuzz | --only:lab | --only:study)
+    --runs:[1-9]* | --seeds:[1-9]* | --only:flood | --only:fuzz | --only:lab | --only:study)
       declare "${1#--}=$2"
       shift 2
       ;;
@@ -55,6 +55,8 @@ run_lab() { # SEED
 }
 
 step "fuzz" tests/fuzz/run.sh --runs "$runs"
+step "flood of the bus" build/release/tests/bench/bench_bus_flood
+step "flood of datagrams" build/release/tests/bench/bench_datagram_flood
 for ((seed = 1; seed <= seeds; ++seed)); do
   for scenario in thesis-wave sea; do step "study $scenario $seed" run_study "$scenario" "$seed"; done
 done

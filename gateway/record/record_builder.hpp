@@ -1,7 +1,9 @@
 /// @file  Puts MCAP records together: little-endian numbers, texts and maps with their lengths in front.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string_view>
 
 #include "drivers/core/bytes.hpp"
@@ -32,7 +34,11 @@ class RecordBuilder {
     buffer_.resize(at + sizeof(T));
     store<std::endian::little>(MutableBytes{buffer_}.subspan(at), value);
   }
-  void put_bytes(Bytes bytes) { buffer_.insert(buffer_.end(), bytes.begin(), bytes.end()); }
+  void put_bytes(Bytes bytes) {
+    const std::size_t at = buffer_.size();
+    buffer_.resize(at + bytes.size());
+    std::ranges::copy(bytes, std::next(buffer_.begin(), static_cast<std::ptrdiff_t>(at)));
+  }
   /// 32 bits of length, then the text.
   void put_text(std::string_view text) {
     put(static_cast<std::uint32_t>(text.size()));

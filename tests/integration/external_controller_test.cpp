@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "drivers/core/random.hpp"
 #include "tests/integration/line.hpp"
 
 namespace motionlab::integration {
@@ -138,6 +139,43 @@ TEST(ExternalController, WhoDoesNotHoldTheLeaseMovesNothing) {
   EXPECT_EQ(with.mode().owner, without.mode().owner);
   EXPECT_EQ(with.commands_hash(), without.commands_hash());
   EXPECT_GT(with.lockstep().bus().refused<topic::ArmCommand>(), 1000U) << "nobody speaks for the gateway";
+}
+
+TEST(ModeRequests, AHostileFloodOfThemMovesNothingBeyondTheLimitsAndASettleAmongThemBringsRest) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const lockstep::Config config = configure(seed % 2 ? "calm" : "thesis-wave");
+    Line line(config);
+    line.engage_and_run_to(12);
+    ASSERT_EQ(line.mode().state, ModeState::engaged) << line.mode().reason.view();
+    auto requests = line.lockstep().bus().advertise<topic::ModeRequest>();
+    Random random(seed);
+    const auto flood = [&] {
+      for (int i = 0; i < 20; ++i) {  // everything but a settle, and what is no action at all
+        topic::ModeRequest request;
+        if (random.chance(0.9)) request.requester = std::to_string(random.below(1000));
+        request.action = static_cast<ModeAction>(1 + random.below(6));
+        request.authority = static_cast<topic::Authority>(random.below(7));
+        request.external_controller = random.chance(0.5);
+        requests.publish(request);
+      }
+    };
+    for (int ms = 0; ms < 3000; ++ms) {
+      flood();
+      line.step();
+      ASSERT_LE(line.mode().authority, topic::Authority::full);
+    }
+    // From here on each step hears a settle, in the midst of the others.
+    const double stopped_by = line.now_s() + 3;
+    while (line.now_s() < stopped_by) {
+      flood();
+      line.ask(ModeAction::settle);
+      flood();
+      line.step();
+      EXPECT_NE(line.mode().state, ModeState::engaged);
+    }
+    EXPECT_TRUE(line.steps().back().at_rest()) << seed;
+    EXPECT_EQ(steps_beyond_limits(line.steps(), config.gateway.limits, config.gateway.control_period_s), 0U);
+  }
 }
 
 TEST(CrossCheck, EngagingIsRefusedWithNumbersWhileSensorsDisagree) {

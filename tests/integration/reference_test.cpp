@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
+#include "drivers/core/random.hpp"
 #include "tests/integration/line.hpp"
 
 namespace motionlab::integration {
@@ -135,6 +137,61 @@ TEST(Reference, InWorldASilentSecondShipIsNoMatter) {
   Follower f(config);
   f.line.engage_and_run_to(30);
   EXPECT_EQ(f.line.mode().state, topic::ModeState::engaged);
+}
+
+/// Places that a hostile peer might tell.
+std::vector<Vector3d> hostile_vectors() {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  return {Vector3d(nan, nan, nan), Vector3d(inf, -inf, 0),  Vector3d(1e300, -1e300, 1e300),
+          Vector3d(19, 19, 19),    Vector3d(-19, -19, -19), Vector3d(0, 0, 0),
+          Vector3d(1e-300, 0, 20), Vector3d(0.8, -0.4, 3.9)};
+}
+
+TEST(Reference, HostileOnesEachMillisecondMoveNothingBeyondTheLimits) {
+  const auto vectors = hostile_vectors();
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    Follower f(configure(seed % 2 ? "calm" : "thesis-wave"));
+    f.line.engage_and_run_to(15);
+    ASSERT_EQ(f.line.mode().state, topic::ModeState::engaged) << f.line.mode().reason.view();
+    Random random(seed);
+    const auto& limits = f.config.gateway.limits;
+    bool moved = false;
+    for (int ms = 0; ms < 10'000; ++ms) {
+      const int samples = ms % 1000 == 0 ? 200 : 1;
+      for (int i = 0; i < samples; ++i) {
+        f.ask(vectors[random.below(static_cast<std::uint32_t>(vectors.size()))],
+              vectors[random.below(static_cast<std::uint32_t>(vectors.size()))],
+              static_cast<topic::ReferenceFrame>(random.below(4)));
+      }
+      f.line.step();
+      moved = moved || !f.line.steps().back().at_rest();
+      const auto q = f.line.lockstep().lab().state().q_rad;
+      for (std::size_t i = 0; i < 6; ++i) {
+        ASSERT_LE(q[i], limits.q_max_rad[i] + 2e-3)
+            << "joint " << i + 1 << " at " << ms << " ms, seed " << seed;
+        ASSERT_GE(q[i], limits.q_min_rad[i] - 2e-3)
+            << "joint " << i + 1 << " at " << ms << " ms, seed " << seed;
+      }
+    }
+    EXPECT_TRUE(moved) << "some of these places are possible ones";
+    EXPECT_EQ(f.beyond_limits(), 0u) << seed;
+  }
+}
+
+TEST(Reference, ImpossibleOnesEachMillisecondChangeNoCommandByABit) {
+  Follower with(configure("thesis-wave")), without(configure("thesis-wave"));
+  for (Follower* const f : {&with, &without}) f->line.engage_and_run_to(15);
+  ASSERT_EQ(with.line.mode().state, topic::ModeState::engaged) << with.line.mode().reason.view();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int ms = 0; ms < 5000; ++ms) {
+    with.ask(Vector3d(nan, 0, 0));
+    with.ask(with.home(), Vector3d(0, 1e300, 0));
+    with.ask(Vector3d(0.3, 0.3, 3), Vector3d::Zero(), static_cast<topic::ReferenceFrame>(2));
+    with.ask(Vector3d(0.3, 0.3, 3), Vector3d::Zero(), static_cast<topic::ReferenceFrame>(0xffffffffU));
+    with.line.step();
+    without.line.step();
+  }
+  EXPECT_EQ(with.line.commands_hash(), without.line.commands_hash());
 }
 
 TEST(Reference, NonsenseIsNotFollowed) {
