@@ -47,7 +47,8 @@ bool engage(DeadmanBench& bench) {
 /// One life of a gateway. @returns nothing, and says why, when something was not as it must be
 std::optional<Kill> kill_one(DeadmanBench& bench, Witness& witness) {
   const auto failed = [&](const std::string& why) {
-    std::cerr << why << '\n' << bench.gateway_->output() << std::endl;
+    std::cerr << why << std::endl;
+    if (bench.gateway_) std::cerr << bench.gateway_->output() << std::endl;
     return std::nullopt;
   };
   if (!engage(bench)) return failed("the gateway does not engage");
