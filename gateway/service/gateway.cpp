@@ -38,6 +38,7 @@ struct Gateway::Impl {
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),
+        references(local.advertise<topic::Reference>()),
         dds(c.bus, local),
         driver_timer(io) {
     dds.out<topic::Mru>();
@@ -65,6 +66,7 @@ struct Gateway::Impl {
     driver_timer.async_wait([this](const boost::system::error_code& cancelled) {
       if (cancelled) return;
       devices.step(clock.now());
+      io_rounds.fetch_add(1, std::memory_order_relaxed);
       arm_driver_timer();
     });
   }
@@ -75,6 +77,7 @@ struct Gateway::Impl {
     while (!stopping.load(std::memory_order_relaxed)) {
       missed.fetch_add(metronome.wait(), std::memory_order_relaxed);
       control.step(clock.now());
+      control_rounds.fetch_add(1, std::memory_order_relaxed);
     }
   }
 
@@ -121,12 +124,15 @@ struct Gateway::Impl {
   bus::Subscription<topic::Event> events;
   bus::Reader<topic::Mode> modes;
   bus::Publisher<topic::ModeRequest> requests;
+  bus::Publisher<topic::Reference> references;
   bus::DdsBus dds;
   boost::asio::steady_timer driver_timer;
   std::thread io_thread;
   std::thread control_thread;
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> missed{0};
+  std::atomic<std::uint64_t> io_rounds{0};
+  std::atomic<std::uint64_t> control_rounds{0};
 };
 
 Gateway::Gateway(const GatewayConfig& config, Clock& clock) : impl_(std::make_unique<Impl>(config, clock)) {}
@@ -188,6 +194,18 @@ void Gateway::for_each_health(const std::function<void(const topic::Health&)>& e
 
 std::uint64_t Gateway::missed_beats() const {
   return impl_->missed.load(std::memory_order_relaxed);
+}
+
+Rounds Gateway::rounds() const {
+  return {impl_->io_rounds.load(std::memory_order_relaxed),
+          impl_->control_rounds.load(std::memory_order_relaxed), impl_->dds.rounds()};
+}
+
+void Gateway::set_reference(const std::array<double, 3>& p_world_load_m) {
+  topic::Reference reference;
+  reference.t_created_ns = to_ns(impl_->clock.now());
+  reference.p_world_load_m = p_world_load_m;
+  impl_->references.publish(reference);
 }
 
 }  // namespace motionlab::service

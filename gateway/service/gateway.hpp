@@ -1,12 +1,14 @@
 /// @file  The gateway in real time: the threads, and who may touch what.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "drivers/core/time.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/rounds.hpp"
 #include "idl/event.hpp"
 #include "idl/health.hpp"
 #include "idl/mode.hpp"
@@ -37,6 +39,10 @@ class Gateway {
   void for_each_health(const std::function<void(const topic::Health&)>& each) const;
   /// Control periods that were slept through since the start.
   [[nodiscard]] std::uint64_t missed_beats() const;
+  /// How often each thread has come round.
+  [[nodiscard]] Rounds rounds() const;
+  /// Where the load shall be from now on, as if somebody had told `motionlab/reference`.
+  void set_reference(const std::array<double, 3>& p_world_load_m);
 
  private:
   struct Impl;

@@ -8,6 +8,7 @@
 
 #include "drivers/core/error.hpp"
 #include "drivers/core/toml_reader.hpp"
+#include "gateway/service/roll_call.hpp"
 
 namespace motionlab::service {
 namespace {
@@ -163,6 +164,21 @@ WinchLink winch_link(const TomlTable& root) {
   return link;
 }
 
+/// Read once the devices are known. An older file may lack the table.
+void read_service(const TomlTable& root, GatewayConfig& config) {
+  const TomlTable t = root.table_or_empty("service");
+  constexpr std::array levels{LogLevel::info, LogLevel::warning, LogLevel::error};
+  config.log_level = levels[t.choice_or("log_level", 0, {"info", "warning", "error"})];
+  config.absent = t.texts_or("absent", {});
+  const std::vector<std::string> known = device_names(config);
+  for (const auto& device : config.absent) {
+    if (std::find(known.begin(), known.end(), device) != known.end()) continue;
+    std::string names;
+    for (const auto& name : known) names += (names.empty() ? "" : ", ") + name;
+    t.fail("absent", "there is no device " + device + "; the devices are " + names);
+  }
+}
+
 controller::GuardLimits guard_limits(const TomlTable& root) {
   const TomlTable t = root.table("limits");
   constexpr Range angle{-2700.0, 2700.0};
@@ -249,6 +265,7 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
   config.qualisys = qualisys_link(root);
   config.comau = comau_link(root);
   config.winch = winch_link(root);
+  read_service(root, config);
   config.limits = guard_limits(root);
   constexpr std::array platform_limits{"plc", "mechanical"};
   config.platform_limits = platform_limits[root.table("limits").choice("platform", {"plc", "mechanical"})];

@@ -62,6 +62,9 @@ enum class ControlLaw {
   integral,  ///< the thesis' integral controller (ThesisKeeper), to compare with
 };
 
+/// What the log tells.
+enum class LogLevel { info, warning, error };
+
 struct GatewayConfig {
   double control_period_s = 0.001;
   topic::Authority authority = topic::Authority::full;
@@ -78,6 +81,9 @@ struct GatewayConfig {
   /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas
   /// are checked against them before they are run.
   std::string platform_limits = "plc";
+  std::vector<std::string>
+      absent;  ///< devices that are known not to be there; the service does not wait for them
+  LogLevel log_level = LogLevel::info;
   std::string effective;           ///< the merged text
   std::vector<std::string> notes;  ///< what a reader of the log should know about it
 
