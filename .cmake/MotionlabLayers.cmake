@@ -24,13 +24,17 @@ function(motionlab_library NAME)
   motionlab_register(${NAME} ${ARG_LAYER} ${ARG_DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
-# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …]): an executable of layer 8, installed.
+# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …] [COMPONENT c]): an executable of layer 8, installed. Its component
+# is the Debian package that it comes in.
 function(motionlab_program NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;EXTERNAL" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;LINKS;EXTERNAL" ${ARGN})
+  if(NOT ARG_COMPONENT)
+    set(ARG_COMPONENT gateway)
+  endif()
   file(RELATIVE_PATH DIRECTORY ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE motionlab_flags ${ARG_LINKS} ${ARG_EXTERNAL})
-  install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARG_COMPONENT})
   motionlab_register(${NAME} 8 ${DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 

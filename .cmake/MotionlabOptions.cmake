@@ -1,5 +1,6 @@
 # Compiler settings that hold for every target of the house, and the libraries the house stands on.
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME gateway)
 
 option(MOTIONLAB_TESTS "Build the tests" ON)
 option(MOTIONLAB_WERROR "Treat warnings as errors" ON)

@@ -64,6 +64,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   void send(int signal) const { ::kill(pid_, signal); }
+  [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] bool running() { return !exit_code(std::chrono::seconds{0}).has_value(); }
   /// How it ended: its exit code, or minus the signal. Nothing when it still runs after the patience.
   std::optional<int> exit_code(std::chrono::seconds patience) {
