@@ -22,7 +22,8 @@ fail() {
 ok() { echo "ok $1"; }
 
 rm -rf "$build/packages"
-(cd "$build" && cpack -G DEB) >"$here/cpack" 2>&1 || {
+{ cmake --build "$build" --target motionlab motionlab-gateway motionlab-sim motionlab-study &&
+  (cd "$build" && cpack -G DEB); } >"$here/cpack" 2>&1 || {
   cat "$here/cpack"
   fail "cpack"
 }
