@@ -24,14 +24,18 @@ function(motionlab_library NAME)
   motionlab_register(${NAME} ${ARG_LAYER} ${ARG_DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
-# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …] [MAN n]): an executable of layer 8, installed.
-#   MAN  section of the manual page that is made from its --help
+# motionlab_program(NAME SOURCES … [LINKS …] [EXTERNAL …] [MAN n] [COMPONENT c]): an executable of layer 8, installed.
+#   MAN        section of the manual page that is made from its --help
+#   COMPONENT  the Debian package that it comes in: gateway or sim
 function(motionlab_program NAME)
-  cmake_parse_arguments(ARG "" "MAN" "SOURCES;LINKS;EXTERNAL" ${ARGN})
+  cmake_parse_arguments(ARG "" "MAN;COMPONENT" "SOURCES;LINKS;EXTERNAL" ${ARGN})
+  if(NOT ARG_COMPONENT)
+    set(ARG_COMPONENT gateway)
+  endif()
   file(RELATIVE_PATH DIRECTORY ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE motionlab_flags ${ARG_LINKS} ${ARG_EXTERNAL})
-  install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARG_COMPONENT})
   if(ARG_MAN AND NOT CMAKE_CROSSCOMPILING)  # the program is run
     motionlab_made(${NAME} man_${NAME} ${NAME}.${ARG_MAN} ${CMAKE_INSTALL_MANDIR}/man${ARG_MAN} ${NAME}.${ARG_MAN}
       DEPENDS ${PROJECT_SOURCE_DIR}/.cmake/man_page.py

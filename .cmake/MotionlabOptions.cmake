@@ -1,5 +1,7 @@
 # Compiler settings that hold for every target of the house, and the libraries the house stands on.
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME gateway)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # to install and to pack, no test needs to be built
 
 option(MOTIONLAB_TESTS "Build the tests" ON)
 option(MOTIONLAB_WERROR "Treat warnings as errors" ON)

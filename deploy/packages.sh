@@ -23,6 +23,9 @@ test=(
   liborocos-bfl-dev               # other people's Kalman filters
   libxml2-utils/xmllint           # judges the figures
   clang-format-14 shellcheck
+  nftables/nft iproute2/ip        # the firewall rules and the laboratory's addresses, in namespaces
+  systemd/systemd-analyze systemd-container/systemd-nspawn systemd-sysv dbus # judge and boot the units
+  dpkg-dev/dpkg-shlibdeps lintian debootstrap                                # make, judge and install the packages
 )
 
 wanted=()

@@ -286,6 +286,7 @@ struct DdsBus::Impl {
   std::vector<std::pair<std::string_view, std::unique_ptr<Link>>> links;
   fast::DomainParticipant* const participant;
   std::atomic<bool> stopping{false};
+  std::atomic<std::uint64_t> rounds{0};
   std::thread thread;
 };
 
@@ -324,7 +325,9 @@ std::size_t DdsBus::run_once(Nanoseconds timeout) {
     timeout = std::clamp<Nanoseconds>(due - std::chrono::steady_clock::now(), Nanoseconds{0}, timeout);
   }
   impl_->wakeup->wait(timeout);
-  return impl_->run();
+  const std::size_t moved = impl_->run();
+  impl_->rounds.fetch_add(1, std::memory_order_relaxed);
+  return moved;
 }
 
 void DdsBus::start() {
@@ -342,6 +345,10 @@ void DdsBus::stop() {
   impl_->stopping = true;
   impl_->wakeup->ring();
   impl_->thread.join();
+}
+
+std::uint64_t DdsBus::rounds() const {
+  return impl_->rounds.load(std::memory_order_relaxed);
 }
 
 DdsCounters DdsBus::counters() const {

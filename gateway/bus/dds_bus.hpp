@@ -85,6 +85,8 @@ class DdsBus {
   [[nodiscard]] std::size_t matched() const;
 
   [[nodiscard]] DdsCounters counters() const;
+  /// How often `run_once` has returned: at least ten times a second while the thread of `start` is well.
+  [[nodiscard]] std::uint64_t rounds() const;
 
  private:
   struct Impl;

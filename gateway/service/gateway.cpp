@@ -56,6 +56,7 @@ struct Gateway::Impl {
         events(local.subscribe<topic::Event>()),
         modes(local.reader<topic::Mode>()),
         requests(local.advertise<topic::ModeRequest>()),
+        references(local.advertise<topic::Reference>()),
         dds(c.bus, local),
         driver_timer(io),
         deadman_end(io, ::fcntl(lifeline.deadman_pidfd(), F_DUPFD_CLOEXEC, 0)) {
@@ -90,6 +91,7 @@ struct Gateway::Impl {
       devices.step(clock.now());
       lifeline.io_beat();
       if (lifeline.deadman_silent()) schedule.deadman_lost.store(true, std::memory_order_relaxed);
+      io_rounds.fetch_add(1, std::memory_order_relaxed);
       arm_driver_timer();
     });
   }
@@ -112,6 +114,7 @@ struct Gateway::Impl {
       if (beat % kBeatsPerCountOfFaults == 0) control.time_keeper().page_faults(page_faults());
       control.step(clock.now());
       lifeline.control_beat();
+      control_rounds.fetch_add(1, std::memory_order_relaxed);
     }
   }
 
@@ -172,6 +175,7 @@ struct Gateway::Impl {
   bus::Subscription<topic::Event> events;
   bus::Reader<topic::Mode> modes;
   bus::Publisher<topic::ModeRequest> requests;
+  bus::Publisher<topic::Reference> references;
   bus::DdsBus dds;
   boost::asio::steady_timer driver_timer;
   boost::asio::posix::stream_descriptor deadman_end;
@@ -183,6 +187,8 @@ struct Gateway::Impl {
   std::atomic<bool> recorder_failed{false};
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> missed{0};
+  std::atomic<std::uint64_t> io_rounds{0};
+  std::atomic<std::uint64_t> control_rounds{0};
 };
 
 Gateway::Gateway(const GatewayConfig& config, Clock& clock, deadman::Lifeline& lifeline)
@@ -272,6 +278,18 @@ bool Gateway::deadman_lost() const {
 
 std::uint64_t Gateway::missed_beats() const {
   return impl_->missed.load(std::memory_order_relaxed);
+}
+
+Rounds Gateway::rounds() const {
+  return {impl_->io_rounds.load(std::memory_order_relaxed),
+          impl_->control_rounds.load(std::memory_order_relaxed), impl_->dds.rounds()};
+}
+
+void Gateway::set_reference(const std::array<double, 3>& p_world_load_m) {
+  topic::Reference reference;
+  reference.t_created_ns = to_ns(impl_->clock.now());
+  reference.p_world_load_m = p_world_load_m;
+  impl_->references.publish(reference);
 }
 
 }  // namespace motionlab::service

@@ -1,6 +1,7 @@
 /// @file  The gateway in real time: the threads, and who may touch what.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,6 +13,7 @@
 #include "drivers/core/time.hpp"
 #include "gateway/deadman/page/lifeline.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/rounds.hpp"
 #include "idl/event.hpp"
 #include "idl/health.hpp"
 #include "idl/mode.hpp"
@@ -52,6 +54,10 @@ class Gateway {
   [[nodiscard]] bool deadman_lost() const;
   /// Control periods that were slept through since the start.
   [[nodiscard]] std::uint64_t missed_beats() const;
+  /// How often each thread has come round.
+  [[nodiscard]] Rounds rounds() const;
+  /// Where the load shall be from now on, as if somebody had told `motionlab/reference`.
+  void set_reference(const std::array<double, 3>& p_world_load_m);
 
  private:
   struct Impl;

@@ -8,6 +8,7 @@
 
 #include "drivers/core/error.hpp"
 #include "drivers/core/toml_reader.hpp"
+#include "gateway/service/roll_call.hpp"
 
 namespace motionlab::service {
 namespace {
@@ -168,6 +169,21 @@ DeadmanRule deadman_rule(const TomlTable& root) {
   return {t.number("heartbeat_s", {0.01, 2.0}), t.number("control_s", {0.02, 5.0})};
 }
 
+/// Read once the devices are known. An older file may lack the table.
+void read_service(const TomlTable& root, GatewayConfig& config) {
+  const TomlTable t = root.table_or_empty("service");
+  constexpr std::array levels{LogLevel::info, LogLevel::warning, LogLevel::error};
+  config.log_level = levels[t.choice_or("log_level", 0, {"info", "warning", "error"})];
+  config.absent = t.texts_or("absent", {});
+  const std::vector<std::string> known = device_names(config);
+  for (const auto& device : config.absent) {
+    if (std::find(known.begin(), known.end(), device) != known.end()) continue;
+    std::string names;
+    for (const auto& name : known) names += (names.empty() ? "" : ", ") + name;
+    t.fail("absent", "there is no device " + device + "; the devices are " + names);
+  }
+}
+
 controller::GuardLimits guard_limits(const TomlTable& root) {
   const TomlTable t = root.table("limits");
   constexpr Range angle{-2700.0, 2700.0};
@@ -310,6 +326,7 @@ GatewayConfig read(const TomlDocument& document) {
   config.comau = comau_link(root);
   config.winch = winch_link(root);
   config.deadman = deadman_rule(root);
+  read_service(root, config);
   config.limits = guard_limits(root);
   config.limits.posture_age_max_s =
       std::max(config.comau.rule.stale_after_s, config.winch.rule.stale_after_s) + 0.05;

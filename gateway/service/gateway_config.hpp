@@ -86,6 +86,9 @@ struct ModeRules {
   double cross_check_load_m = 0.4;     ///< the load seen against the tool's plumb line
 };
 
+/// What the log tells.
+enum class LogLevel { info, warning, error };
+
 struct GatewayConfig {
   double control_period_s = 0.001;
   int control_cpu = -1;  ///< the processor that the control thread has; -1: any. Likewise the io thread
@@ -107,6 +110,9 @@ struct GatewayConfig {
   /// Which limits the ship's platform keeps: "plc", the laboratory's operating limits, or "mechanical". Seas
   /// are checked against them before they are run.
   std::string platform_limits = "plc";
+  std::vector<std::string>
+      absent;  ///< devices that are known not to be there; the service does not wait for them
+  LogLevel log_level = LogLevel::info;
   std::string effective;           ///< the merged text
   std::vector<std::string> notes;  ///< what a reader of the log should know about it
 
