@@ -190,7 +190,7 @@ void ControlLoop::take_requests(const topic::Snapshot& inputs) {
     const Eigen::Map<const Eigen::Vector3d> p(reference.p_world_load_m.data());
     const Eigen::Map<const Eigen::Vector3d> v(reference.v_world_load_mps.data());
     // A reference is a wish like any other: only a possible one counts, and the guard has the last word.
-    const bool possible = reference->frame <= topic::ReferenceFrame::em1500 && p.allFinite() &&
+    const bool possible = reference.frame <= topic::ReferenceFrame::em1500 && p.allFinite() &&
                           v.allFinite() &&
                           std::max(p.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()) <= kFarthestReference;
     if (!possible) continue;
