@@ -116,6 +116,27 @@ def emit(path):
     return snake(struct), struct, "\n".join(out)
 
 
+def inlined(path, done):
+    """The text of an .idl file with what it includes in place of the includes, each once."""
+    if path in done:
+        return ""
+    done.add(path)
+    out = []
+    for line in path.read_text().splitlines():
+        include = re.match(r'#include "(\w+\.idl)"', line)
+        out.append(inlined(path.parent / include.group(1), done) if include else line)
+    return "\n".join(out).rstrip() + "\n"
+
+
+def emit_texts(paths):
+    out = ["/// @file  Made by plain.py: the .idl text of every topic, includes inlined, for tools that read schemas.",
+           "#pragma once", "", "#include <string_view>", "", '#include "idl/topics.hpp"', "",
+           "namespace motionlab::topic {", "", "template <class T>", "inline constexpr std::string_view kIdlText{};", ""]
+    for path in paths:
+        out += ["template <>", f'inline constexpr std::string_view kIdlText<{path.stem}>{{R"idl({inlined(path, set())})idl"}};', ""]
+    return "\n".join(out + ["}  // namespace motionlab::topic", ""])
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
@@ -124,7 +145,8 @@ def main():
     every += [f'#include "idl/{name}.hpp"' for name, _, _ in made]
     every += ["", "/// Calls X(Type) for every topic's struct.", "#define MOTIONLAB_FOR_EACH_TOPIC_TYPE(X) \\",
               " \\\n".join(f"  X({struct})" for _, struct, _ in made), ""]
-    for name, text in [(name, text) for name, _, text in made] + [("topics", "\n".join(every))]:
+    for name, text in [(name, text) for name, _, text in made] + [
+            ("topics", "\n".join(every)), ("texts", emit_texts([pathlib.Path(name) for name in sys.argv[2:]]))]:
         target = folder / f"{name}.hpp"
         if not target.exists() or target.read_text() != text:
             target.write_text(text)

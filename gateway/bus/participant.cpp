@@ -1,0 +1,108 @@
+#include "gateway/bus/participant.hpp"
+
+#include <ifaddrs.h>
+#include <netdb.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+
+#include "gateway/bus/type_support.hpp"
+
+namespace motionlab::bus {
+namespace {
+
+namespace fast = eprosima::fastdds::dds;
+using eprosima::fastrtps::Duration_t;
+
+constexpr int kMaxDomain = 232;  // beyond it the port numbers end
+
+/// Once per process, before the first participant: the type registry of Fast DDS is not safe against its own
+/// discovery threads, and a reader of the same process would otherwise run on the writer's thread.
+void prepare_fast_dds() {
+  static const bool prepared = [] {
+#define MOTIONLAB_REGISTER(Type) (void)TwinOf<topic::Type>::Twin{};
+    MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_REGISTER)
+#undef MOTIONLAB_REGISTER
+    eprosima::fastrtps::LibrarySettingsAttributes settings;
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    return true;
+  }();
+  (void)prepared;
+}
+
+[[nodiscard]] std::vector<std::string> addresses_of_this_host() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* entry = list; entry; entry = entry->ifa_next) {
+    std::array<char, NI_MAXHOST> text{};
+    if (entry->ifa_addr && entry->ifa_addr->sa_family == AF_INET &&
+        getnameinfo(entry->ifa_addr, sizeof(sockaddr_in), text.data(), text.size(), nullptr, 0,
+                    NI_NUMERICHOST) == 0) {
+      addresses.emplace_back(text.data());
+    }
+  }
+  freeifaddrs(list);
+  return addresses;
+}
+
+void check(const DdsConfig& config) {
+  if (config.domain < 0 || config.domain > kMaxDomain) {
+    throw StartupError{"DDS domain " + std::to_string(config.domain) +
+                       " does not exist: choose one from 0 to " + std::to_string(kMaxDomain)};
+  }
+  if (config.interface_whitelist.empty()) return;
+  const std::vector<std::string> known = addresses_of_this_host();
+  for (const std::string& wanted : config.interface_whitelist) {
+    if (std::ranges::find(known, wanted) != known.end()) continue;
+    std::string text = "DDS shall use the interface " + wanted + ", which this host does not have. It has";
+    for (const std::string& address : known) text += " " + address;
+    throw StartupError{text + ": choose one of these, or none to use them all"};
+  }
+}
+
+[[nodiscard]] fast::DomainParticipantQos participant_qos(const DdsConfig& config) {
+  fast::DomainParticipantQos qos = fast::PARTICIPANT_QOS_DEFAULT;
+  qos.name(config.participant.c_str());
+  qos.transport().use_builtin_transports = false;
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = config.interface_whitelist;
+  qos.transport().user_transports.push_back(udp);
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  // The defaults let one start in ten wait three seconds for its peers, and a killed peer live on for twenty.
+  discovery.initial_announcements.count = 30;
+  discovery.initial_announcements.period = Duration_t{0.05L};
+  discovery.leaseDuration = Duration_t{2.0L};
+  discovery.leaseDuration_announcementperiod = Duration_t{0.6L};
+  return qos;
+}
+
+}  // namespace
+
+fast::DomainParticipant* make_participant(const DdsConfig& config) {
+  check(config);
+  prepare_fast_dds();
+  auto& factory = *fast::DomainParticipantFactory::get_instance();
+  fast::DomainParticipant* const participant =
+      factory.create_participant(static_cast<std::uint32_t>(config.domain), participant_qos(config));
+  if (!participant) {
+    throw StartupError{"DDS did not start on domain " + std::to_string(config.domain) +
+                       ": see whether other programs use up its UDP ports, or choose another [bus] domain"};
+  }
+  return participant;
+}
+
+void delete_participant(fast::DomainParticipant* participant) {
+  participant->delete_contained_entities();
+  fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+}  // namespace motionlab::bus
