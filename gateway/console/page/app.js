@@ -90,12 +90,15 @@ function showVeil() {
   by('fps').textContent = `${scene.fps.toFixed(0)} fps`;
 }
 
-let slowly = 0;
+const frameMs = 1000 / 30;  // as often as there is something new
+let slowly = 0, drawn = 0;
 function frame() {
   requestAnimationFrame(frame);
+  const here = performance.now();
+  if (here - drawn < frameMs - 4) return;
+  drawn = here;
   scene.tick(lab);
   plots.tick();
-  const here = performance.now();
   if (here - slowly < 100) return;
   slowly = here;
   score.tick(lab, config);

@@ -10,6 +10,7 @@ class Plot {
   // series: [{label, colour (name of a CSS variable), dash, value: () => number|null}]
   constructor(parent, {title, unit, digits, series, least}) {
     this.series = series;
+    this.now = 0;
     this.title = title;
     this.unit = unit;
     this.digits = digits;
@@ -48,7 +49,7 @@ class Plot {
         y: {range: (_, low, high) => this.range(low, high)},
       },
       axes: [{...axis, size: 20, space: 60, values: (_, ticks) => ticks.map(t => `${Math.round(t - this.now)} s`),
-              splits: () => [25, 20, 15, 10, 5].map(back => this.now - back)},
+              splits: () => [20, 10].map(back => this.now - back)},
              {...axis, size: 42, space: 26}],
       series: [{}, ...this.series.map(({label, colour, dash}) => ({
         label, stroke: css(colour), width: dash ? 1.5 : 2, dash: dash ? [4, 4] : undefined, spanGaps: false, points: {show: false},

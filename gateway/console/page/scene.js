@@ -13,8 +13,21 @@ const setPose = (object, p, q) => {
   object.quaternion.set(q[1], q[2], q[3], q[0]);
 };
 
-const paint = (colour, roughness = 0.6, metalness = 0.1) =>
-    new THREE.MeshStandardMaterial({color: colour, roughness, metalness});
+// Whether pixels are computed by the processor: then there have to be few and plain ones. "?quality=full" or "plain" says it.
+function isPlain() {
+  const wanted = new URLSearchParams(location.search).get('quality');
+  if (wanted) return wanted !== 'full';
+  const gl = document.createElement('canvas').getContext('webgl');
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+const plain = isPlain();
+
+const paint = (colour, roughness = 0.6, metalness = 0.1) => plain
+    ? new THREE.MeshLambertMaterial({color: colour})
+    : new THREE.MeshStandardMaterial({color: colour, roughness, metalness});
 const materials = {
   deck: paint('#9fb0bf', 0.7), frame: paint('#5d7183', 0.6, 0.4), leg: paint('#c9d3dc', 0.3, 0.7), foot: paint('#46525e', 0.8),
   robot: paint('#d8412f', 0.45), dark: paint('#2f3740', 0.5, 0.3), steel: paint('#aeb8c2', 0.3, 0.8),
@@ -244,7 +257,7 @@ class Orbit {
 }
 
 const views = {
-  1: [[-0.5, 0.1, 3.3], -0.72, 0.22, 9.4],   // everything
+  1: [[-0.35, -0.15, 3.45], -0.86, 0.16, 8.4],   // everything
   2: [[0.5, -0.2, 4.3], -0.9, 0.1, 4.6],     // the load
   3: [[0.2, 0, 3.6], -Math.PI / 2, 0.06, 8], // from the side
   4: [[-0.6, 0, 3.5], 0.0, 1.49, 11],        // from above
@@ -254,8 +267,8 @@ export class Scene {
   constructor(canvas, config) {
     this.canvas = canvas;
     this.config = config;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true});
-    this.renderer.shadowMap.enabled = true;
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !plain, preserveDrawingBuffer: true});
+    this.renderer.shadowMap.enabled = !plain;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.scene = new THREE.Scene();
@@ -276,7 +289,7 @@ export class Scene {
     sun.shadow.normalBias = 0.02;
     this.scene.add(this.sky, sun, sun.target);
 
-    this.floor = new THREE.Mesh(new THREE.CircleGeometry(30, 64), new THREE.MeshStandardMaterial({roughness: 0.95}));
+    this.floor = new THREE.Mesh(new THREE.CircleGeometry(30, 64), plain ? new THREE.MeshBasicMaterial() : new THREE.MeshStandardMaterial({roughness: 0.95}));
     this.floor.receiveShadow = true;
     this.scene.add(this.floor);
 
@@ -311,7 +324,7 @@ export class Scene {
     this.scene.add(this.load);
 
     this.ghost = new THREE.Group();
-    this.ghostMaterial = new THREE.MeshStandardMaterial({transparent: true, opacity: 0.42, roughness: 0.5, depthWrite: false});
+    this.ghostMaterial = new THREE.MeshLambertMaterial({transparent: true, opacity: 0.45, depthWrite: false});
     const spectre = new THREE.Mesh(new THREE.SphereGeometry(0.15, 32, 20), this.ghostMaterial);
     this.ghost.add(spectre);
     this.ghostWire = new THREE.Line(new THREE.BufferGeometry().setFromPoints([vector([0, 0, 0]), vector([0, 0, 1])]),
@@ -341,7 +354,8 @@ export class Scene {
     this.trail = new Trail(this.scene, '#ffb020');
     this.ghostTrail = new Trail(this.scene, '#8b7cf6');
     this.source = null;
-    this.slow = 0;
+    this.slow = plain ? 2 : 0;
+    this.ratio = plain ? 0.75 : undefined;
     this.frames = [];
   }
 
@@ -426,11 +440,11 @@ export class Scene {
     const here = performance.now();
     this.frames.push(here);
     while (this.frames[0] < here - 2000) this.frames.shift();
-    if (this.frames[0] > here - 1500 || this.fps >= 28 || this.slow >= 2) return;
+    if (this.frames[0] > here - 1500 || this.fps >= 25 || this.slow >= 2) return;
     ++this.slow;
     this.frames = [];
     if (this.slow === 1) this.ratio = 1;
-    else this.renderer.shadowMap.autoUpdate = false, this.ratio = 0.75;
+    else this.renderer.shadowMap.autoUpdate = false;
   }
 
   resize() {

@@ -55,7 +55,7 @@ export class Score {
     this.part('.number').textContent = shown ? text(shown.error, digits(shown.error)) : '–';
     this.part('.swing').textContent = shown ? `${text(shown.swing, 2)}°` : '–';
     this.part('.twin').textContent = shown && Number.isFinite(shown.twinError) && shown.twinError !== null
-        ? `${text(shown.twinError, 0)} mm, ${text(shown.twinSwing, 1)}°` : '–';
+        ? `${text(shown.twinError, 0)} mm · ${text(shown.twinSwing, 1)}°` : '–';
     const times = shown && shown.error > 0 ? shown.twinError / shown.error : null;
     this.part('.times').textContent = times >= 1.5 ? `${times.toFixed(times < 10 ? 1 : 0)}× stiller` : '';
     this.part('.note').textContent = shown?.note ?? 'stale: nothing fresh tells where the load is';

@@ -1,7 +1,7 @@
 // A stranger's client and a stranger's decoder read every topic from the console, and agree with what was published,
 // value by value. So does the page's own decoder.
-import {parseIDL} from '@foxglove/omgidl-parser';
-import {MessageReader} from '@foxglove/omgidl-serialization';
+import omgidl from '@foxglove/omgidl-parser';
+import serialization from '@foxglove/omgidl-serialization';
 import {parseIdl, readCdr} from '../../../gateway/console/page/cdr.js';
 import {assert, connect, eventually, judge, Laboratory, startPeer, urlOf} from './support.mjs';
 
@@ -35,7 +35,7 @@ await judge({
   'a stranger understands every schema': () => {
     for (const channel of client.channels.values()) {
       if (channel.encoding !== 'cdr') continue;
-      const reader = new MessageReader(channel.schemaName, parseIDL(channel.schema));
+      const reader = new serialization.MessageReader(channel.schemaName, omgidl.parseIDL(channel.schema));
       readers.set(client.subscribe(channel.id), {channel, reader, fields: parseIdl(channel.schema, channel.schemaName)});
     }
     assert(readers.size === topics, 'all of them');

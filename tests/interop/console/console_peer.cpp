@@ -162,6 +162,7 @@ int flood(const char* domain) {
   topic::Mru mru = bus::random_sample<topic::Mru>(1);
   topic::Health health = bus::random_sample<topic::Health>(1);
   topic::Event event = bus::random_sample<topic::Event>(1);
+  std::uint64_t round = 0;
   while (!input_has_ended(1)) {
     for (int i = 0; i < 10; ++i) {
       mru.device = "mru" + std::to_string(i);
@@ -171,6 +172,7 @@ int flood(const char* domain) {
     health.device = "mru" + std::to_string(mru.sequence_number % 5);
     ++health.sequence_number;
     healths.publish(health);
+    if (++round % 20 != 0) continue;  // of events none may be lost on the way to the console
     ++event.sequence_number;
     events.publish(event);
   }

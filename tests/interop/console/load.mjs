@@ -23,7 +23,7 @@ await judge({
       });
     });
     await eventually('each has a thousand samples, some events and the console\'s own word', () =>
-      counts.every(count => count.get('motionlab/mru') > 1000 && count.get('motionlab/event') > 10 && count.get('console/state') > 2));
+      counts.every(count => count.get('motionlab/mru') > 1000 && count.get('motionlab/event') > 3 && count.get('console/state') > 2));
     clients.forEach(client => client.close());
   },
   'who asks for thirty a second gets no more, and every event': async () => {
@@ -39,13 +39,14 @@ await judge({
       if (!mru.has(device)) mru.set(device, []);
       mru.get(device).push(Number(timestamp));
     });
-    await eventually('a hundred samples of ten units', () => mru.size === 10 && [...mru.values()].every(times => times.length > 100));
+    await eventually('a hundred samples of ten units, and events', () =>
+      events.length > 20 && mru.size === 10 && [...mru.values()].every(times => times.length > 100));
     for (const [device, times] of mru) {
       const rate = 1e9 * (times.length - 1) / (times[times.length - 1] - times[0]);
       assert(rate < 40, `${device} comes ${rate.toFixed(0)} times a second`);
     }
     const missing = events.slice(1).filter((number, i) => number !== events[i] + 1n).length;
-    assert(events.length > 100 && missing <= events.length / 20, `${missing} gaps in ${events.length} events`);
+    assert(missing === 0, `${missing} gaps in ${events.length} events`);
     assert(client.said.length === 0, 'what was not wanted is not missed');
     client.close();
   },

@@ -6,7 +6,7 @@ import net from 'node:net';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import process from 'node:process';
-import {FoxgloveClient} from '@foxglove/ws-protocol';
+import foxglove from '@foxglove/ws-protocol';
 import WebSocket from 'ws';
 
 export const source = path.resolve(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '../../..');
@@ -110,7 +110,7 @@ export async function urlOf(child) {
 
 // A stranger's client, connected.
 export function connect(url, options = {}) {
-  const client = new FoxgloveClient({ws: new WebSocket(url.replace(/^http/, 'ws'), [subprotocol], options)});
+  const client = new foxglove.FoxgloveClient({ws: new WebSocket(url.replace(/^http/, 'ws'), [subprotocol], options)});
   client.said = [];
   client.channels = new Map();
   client.on('status', status => client.said.push(status));
