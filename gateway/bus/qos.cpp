@@ -1,5 +1,7 @@
 #include "gateway/bus/qos.hpp"
 
+#include <algorithm>
+
 namespace motionlab::bus {
 namespace {
 
@@ -64,6 +66,19 @@ fast::DataReaderQos reader_qos(const TopicShape& shape) {
   const int depth = depth_of(shape.qos);
   set_common(shape, shape.qos == QosClass::state ? kStateReaderDepth : depth, qos);
   // Room for samples that are larger than the type allows: they shall be refused and counted, not vanish.
+  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  return qos;
+}
+
+fast::DataReaderQos tap_qos(const TopicShape& shape) {
+  fast::DataReaderQos qos = fast::DATAREADER_QOS_DEFAULT;
+  set_common({shape.qos, 0}, std::max(kTapDepth, depth_of(shape.qos)), qos);
+  if (shape.qos ==
+      QosClass::command) {  // a reliable reader would cost the writer of commands acknowledgements
+    qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;
+    qos.liveliness() = fast::LivelinessQosPolicy{};
+    qos.lifespan() = fast::LifespanQosPolicy{};
+  }
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;
 }

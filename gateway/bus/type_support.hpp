@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <vector>
 
 #include <twins/every.hpp>
 
@@ -39,7 +41,7 @@ struct Carried {
 /// threads: the generated key maker has one buffer for all and is therefore behind a lock. The twin is kept,
 /// because each construction of a twin registers its type again, with locks and allocations.
 template <class T>
-class TypeSupport final : public TwinOf<T>::Support {
+class TypeSupport : public TwinOf<T>::Support {
  public:
   using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
   using Handle = eprosima::fastrtps::rtps::InstanceHandle_t;
@@ -86,6 +88,27 @@ class TypeSupport final : public TwinOf<T>::Support {
  private:
   std::mutex mutex_;
   typename TwinOf<T>::Twin twin_;
+};
+
+/// A sample together with the bytes that it came in.
+template <class T>
+struct Tapped : Carried<T> {
+  std::vector<std::byte> bytes;  ///< encapsulation header first, exactly as they came
+};
+
+/// Works on `Tapped<T>`, for readers only. The sample is read for its key and its refusal; the bytes are
+/// kept.
+template <class T>
+class TapSupport final : public TypeSupport<T> {
+ public:
+  bool deserialize(typename TypeSupport<T>::Payload* payload, void* data) override {
+    auto& tapped = static_cast<Tapped<T>&>(*static_cast<Carried<T>*>(data));
+    const auto* const begin = reinterpret_cast<const std::byte*>(payload->data);
+    tapped.bytes.assign(begin, begin + payload->length);
+    return TypeSupport<T>::deserialize(payload, data);
+  }
+  void* createData() override { return static_cast<Carried<T>*>(new Tapped<T>{}); }
+  void deleteData(void* data) override { delete static_cast<Tapped<T>*>(static_cast<Carried<T>*>(data)); }
 };
 
 }  // namespace motionlab::bus
