@@ -154,6 +154,7 @@ struct MemoryNetwork::State {
   std::uint16_t next_port = kFirstEphemeralPort;
   std::vector<Socket*> sockets;
   std::vector<Server*> servers;
+  DatagramViewer viewer;
   Faults<DatagramPath> datagram_faults;
   Faults<StreamFault> stream_faults;
   std::vector<std::weak_ptr<Connection>> connections;  ///< for `reset_streams`
@@ -322,6 +323,7 @@ Endpoint MemoryNetwork::State::bind(Endpoint wanted, const std::vector<Bound*>& 
 
 void MemoryNetwork::State::send_datagram(Endpoint from, Endpoint to, Bytes bytes) {
   if (to.address == 0) to.address = kLoopback;
+  if (viewer) viewer(from, to, bytes, sent_at());
   const LabTime due = sent_at() + config.latency;
   DatagramPath* path = find_fault(datagram_faults, to);
   if (!path) return queue_datagram(due, from, to, bytes, false);
@@ -502,6 +504,10 @@ std::optional<LabTime> MemoryNetwork::next_due() const {
 
 void MemoryNetwork::set_datagram_fault(Endpoint to, DatagramFault fault) {
   set_fault(state_->datagram_faults, to, fault);
+}
+
+void MemoryNetwork::on_sent(DatagramViewer viewer) {
+  state_->viewer = std::move(viewer);
 }
 
 void MemoryNetwork::set_stream_fault(Endpoint server, StreamFault fault) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -65,6 +66,10 @@ class MemoryNetwork final : public Network {
   void set_datagram_fault(Endpoint to, DatagramFault fault);
   /// Replaces the faults of the connections to `server`, those that exist included. Address 0 likewise.
   void set_stream_fault(Endpoint server, StreamFault fault);
+  /// Shows every datagram as it is sent, before any fault of its way; nothing: nobody looks. The viewer must
+  /// not send.
+  using DatagramViewer = std::function<void(Endpoint from, Endpoint to, Bytes datagram, LabTime t_sent)>;
+  void on_sent(DatagramViewer viewer);
   /// Breaks every connection of `server`: both ends learn that it was reset.
   void reset_streams(Endpoint server);
 

@@ -6,6 +6,9 @@ namespace {
 
 /// A time stamp that goes back by less than this is a late datagram, by more it may be a new measurement.
 constexpr std::uint64_t kRestart_us = 500'000;
+/// No camera of QTM's is faster. A number that ran ahead of this was damaged on its way, or another
+/// measurement's.
+constexpr std::uint64_t kFastestFrame_us = 100;
 
 }  // namespace
 
@@ -29,8 +32,10 @@ FrameOrder::Verdict FrameOrder::judge(const DataFrame& packet) noexcept {
       return verdict;
     }
   }
-  if (has_last_ && !verdict.restarted && packet.frame_number > frame_number_)
-    verdict.lost = packet.frame_number - frame_number_ - 1;
+  if (has_last_ && !verdict.restarted && packet.frame_number > frame_number_) {
+    const std::uint64_t missing = packet.frame_number - frame_number_ - 1;
+    if (missing <= (packet.timestamp_us - timestamp_us_) / kFastestFrame_us) verdict.lost = missing;
+  }
   verdict.first_part = true;
   has_last_ = true;
   timestamp_us_ = packet.timestamp_us;

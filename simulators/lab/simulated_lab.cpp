@@ -1,6 +1,8 @@
 #include "simulators/lab/simulated_lab.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -313,6 +315,23 @@ Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, 
     return done;
   }
   return Fault{Reason::refused, "no such device; there are mru1, mru2, qualisys, arm, winch and world"};
+}
+
+std::vector<std::string> SimulatedLab::fault_names(std::string_view device) const {
+  std::string names;
+  if (device == kMru1 || device == kMru2) {
+    names = mru::MruDevice::fault_names();
+  } else if (device == kQualisys) {
+    names = impl_->qualisys.fault_names();
+  } else if (device == kArm) {
+    names = comau::ComauDevice::fault_names();
+  } else if (device == kWinch) {
+    names = winch::WinchDevice::fault_names();
+  } else {
+    return {};
+  }
+  std::istringstream words(names.append(" ").append(faults::WireFaults::kNames));
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 }  // namespace motionlab::lab

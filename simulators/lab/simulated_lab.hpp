@@ -3,7 +3,9 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "drivers/core/network.hpp"
 #include "drivers/core/result.hpp"
@@ -44,6 +46,10 @@ class SimulatedLab {
   /// `qualisys`, `arm`, `winch`), by its name; or of the `world` (see Gust).
   /// @returns refused, with the names that there are; the text lives until the next call
   Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
+
+  /// What a device and its wire may be able to do wrong, in their own words. Refusals depend on how they are
+  /// configured: `set_fault` has the last word. Nothing for a device that is not there.
+  [[nodiscard]] std::vector<std::string> fault_names(std::string_view device) const;
 
   /// True while the robot program lives; the faithful one can end on its own defects.
   [[nodiscard]] bool arm_program_alive() const;

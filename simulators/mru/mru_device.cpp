@@ -8,6 +8,9 @@ namespace motionlab::mru {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 256;
+constexpr std::string_view kUnknownFault =
+    "unknown fault; a motion reference unit knows: off stuck garbage wrong slow delayed intermittent silent "
+    "unstable reduced freeze_time nan wrong_token bad_checksum oversize restart";
 /// Behind an NMEA checksum stand CR and LF.
 constexpr std::size_t kAfterChecksumOfText = 2;
 
@@ -154,6 +157,10 @@ bool MruDevice::can_have(std::string_view fault) const noexcept {
   return true;
 }
 
+std::string_view MruDevice::fault_names() noexcept {
+  return kUnknownFault.substr(kUnknownFault.find(':') + 2);
+}
+
 Status MruDevice::set_fault(std::string_view name, bool active, double value) {
   if (active && !can_have(name)) {
     return Fault{Reason::refused,
@@ -181,10 +188,7 @@ Status MruDevice::set_fault(std::string_view name, bool active, double value) {
   } else if (name == "restart") {
     if (active) t_first_.reset();
   } else {
-    return Fault{Reason::refused,
-                 "unknown fault; a motion reference unit knows: off stuck garbage wrong slow delayed "
-                 "intermittent silent unstable reduced freeze_time nan wrong_token bad_checksum oversize "
-                 "restart"};
+    return Fault{Reason::refused, kUnknownFault};
   }
   return Done{};
 }

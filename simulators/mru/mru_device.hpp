@@ -74,6 +74,8 @@ class MruDevice {
   /// @returns refused: with the list of names for one that is not known; with the reason when the format has
   ///          no status, time, token or checksum that could be false
   Status set_fault(std::string_view name, bool active, double value = 0.0);
+  /// Every name that `set_fault` knows, separated by blanks.
+  [[nodiscard]] static std::string_view fault_names() noexcept;
 
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
   /// Datagrams that the transport refused.

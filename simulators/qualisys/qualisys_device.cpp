@@ -318,6 +318,13 @@ void QualisysDevice::set_body_list(std::vector<BodyDefinition> list, bool announ
 // Faults
 // -------------------------------------------------------------------------------------------------------
 
+std::string QualisysDevice::fault_names() const {
+  std::string names{faults::CommonFaults::kNames};
+  for (const std::string_view name : DeviceFaults::names()) names.append(" ").append(name);
+  for (const BodyDefinition& body : config_.bodies) names.append(" occlude:").append(body.name);
+  return names;
+}
+
 Status QualisysDevice::set_fault(std::string_view name, bool active, double value) {
   const bool was_off = common_.off();
   if (common_.set(name, active, value)) {

@@ -80,6 +80,8 @@ class QualisysDevice final : public ServerEvents {
   /// Begins or ends a fault. Faults: refused for a name that is not known (`DeviceFaults::kNames`) or a body
   /// that is not there.
   Status set_fault(std::string_view name, bool active, double value = 0.0);
+  /// Every name that `set_fault` knows, its bodies' `occlude:<body>` included, separated by blanks.
+  [[nodiscard]] std::string fault_names() const;
 
   [[nodiscard]] bool measuring() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept { return sessions_.size(); }

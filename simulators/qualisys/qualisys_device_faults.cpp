@@ -33,6 +33,12 @@ bool DeviceFaults::knows(std::string_view name) noexcept {
   return find(name) != nullptr;
 }
 
+std::vector<std::string_view> DeviceFaults::names() {
+  std::vector<std::string_view> names;
+  for (const Known& known : kKnown) names.push_back(known.name);
+  return names;
+}
+
 bool DeviceFaults::set(std::string_view name, bool active, double value) {
   const bool was_active = is_on(name);
   if (active)

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace motionlab::qualisys {
 
@@ -42,7 +43,8 @@ class DeviceFaults {
       "split_frame, "
       "oversize, old_version, body_list_change, matrix_by_rows, other_angles";
 
-  /// The device's own faults but for `occlude:<body>`.
+  /// The names of the device's own faults but for `occlude:<body>`.
+  [[nodiscard]] static std::vector<std::string_view> names();
   [[nodiscard]] static bool knows(std::string_view name) noexcept;
   /// Switches a fault. A value of 0 is the default. @returns whether that changed whether it is on
   bool set(std::string_view name, bool active, double value);

@@ -11,11 +11,10 @@ constexpr std::size_t kClientsMax = 256;
 constexpr std::uint32_t kMovedByOnlineChange = 256;
 constexpr std::uint32_t kAnotherLayout = 99;
 
-constexpr Fault kUnknownFault{
-    Reason::refused,
-    "unknown fault; the winch knows off stuck garbage wrong slow delayed intermittent silent drop_route "
+constexpr std::string_view kUnknownFault =
+    "unknown fault; the winch knows: off stuck garbage wrong slow delayed intermittent silent drop_route "
     "stop_plc online_change frozen_cycle drive_fault watchdog_trip router_error ads_error other_layout "
-    "close_mid_frame outlier_100ms"};
+    "close_mid_frame outlier_100ms";
 
 }  // namespace
 
@@ -238,6 +237,10 @@ void WinchDevice::power(bool off) {
   set_state(AdsState::run);
 }
 
+std::string_view WinchDevice::fault_names() noexcept {
+  return kUnknownFault.substr(kUnknownFault.find(':') + 2);
+}
+
 Status WinchDevice::set_fault(std::string_view name, bool active, double value) {
   const auto code = [&](std::uint32_t otherwise) {
     if (!active) return ads_error::none;
@@ -275,7 +278,7 @@ Status WinchDevice::set_fault(std::string_view name, bool active, double value) 
     faults_.outlier_every.reset();
     if (active) faults_.outlier_every = value >= 1 ? static_cast<std::uint64_t>(value) : 50;
   } else {
-    return kUnknownFault;
+    return Fault{Reason::refused, kUnknownFault};
   }
   return Done{};
 }

@@ -90,6 +90,8 @@ class WinchDevice : public ServerEvents {
   ///   outlier_100ms    every `value`-th frame (default 50) is 100 ms late, and with it what follows
   /// Refused with the list of names when the name is none of them.
   Status set_fault(std::string_view name, bool active, double value = 0.0);
+  /// Every name that `set_fault` knows, separated by blanks.
+  [[nodiscard]] static std::string_view fault_names() noexcept;
 
  private:
   struct Held {

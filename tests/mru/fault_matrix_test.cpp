@@ -47,7 +47,7 @@ class MruFaultMatrix : public ::testing::TestWithParam<Cell> {
   static DriverConfig driver(const Cell& cell) {
     DriverConfig config;
     config.format = cell.format;
-    config.stuck_after_s = 0.5;
+    config.stuck_after_s = 0.025;
     config.checksum = {.policy = cell.policy, .rule = {}, .frames_to_score = 100};
     return config;
   }

@@ -55,6 +55,14 @@ TEST(QualisysOrder, CountsMissingFramesButNotOverARestart) {
   EXPECT_EQ(restart.lost, 0u);
 }
 
+TEST(QualisysOrder, CountsNoMoreMissingFramesThanTimeAllows) {
+  FrameOrder order;
+  (void)order.judge(packet(900'000'000, 100));
+  EXPECT_EQ(order.judge(packet(900'005'000, 101 | 1u << 29)).lost, 0u) << "a bit was flipped on the way";
+  EXPECT_EQ(order.judge(packet(900'010'000, 102)).lost, 0u);
+  EXPECT_EQ(order.judge(packet(910'010'000, 2102)).lost, 1999u) << "ten seconds of silence";
+}
+
 UnlabelledMarker marker(std::uint32_t id, double x_m, double y_m, double z_m) {
   return {{x_m, y_m, z_m}, id, 0.0};
 }

@@ -1,18 +1,15 @@
 #include "simulators/lab/study/lab_run.hpp"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <filesystem>
-#include <thread>
 
 #include "drivers/core/config_path.hpp"
 #include "gateway/monitor/scorer.hpp"
 #include "gateway/service/gateway_config.hpp"
 #include "simulators/lab/settings.hpp"
 #include "simulators/lab/study/reference_plan.hpp"
+#include "simulators/lab/study/two_at_a_time.hpp"
 
 namespace motionlab::study {
 
@@ -213,25 +210,8 @@ LabOutcome run_lab(const LabRun& run, const LabObserver& observer) {
 }
 
 std::vector<LabOutcome> run_labs(const std::vector<LabRun>& runs) {
-  constexpr unsigned kAtATime = 2;
   std::vector<LabOutcome> outcomes(runs.size());
-  std::atomic<std::size_t> next{0};
-  std::array<std::exception_ptr, kAtATime> problems;
-  const auto work = [&](std::exception_ptr& problem) {
-    try {
-      for (std::size_t i = next++; i < runs.size(); i = next++) outcomes[i] = run_lab(runs[i]);
-    } catch (...) {
-      problem = std::current_exception();
-      next = runs.size();
-    }
-  };
-  {
-    std::array<std::jthread, kAtATime> workers;
-    for (unsigned w = 0; w < kAtATime; ++w) workers[w] = std::jthread([&, w] { work(problems[w]); });
-  }
-  for (const auto& problem : problems) {
-    if (problem) std::rethrow_exception(problem);
-  }
+  two_at_a_time(runs.size(), [&](std::size_t i) { outcomes[i] = run_lab(runs[i]); });
   return outcomes;
 }
 

@@ -10,6 +10,7 @@
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/report.hpp"
 #include "gateway/service/replay.hpp"
+#include "simulators/lab/study/fault_matrix_command.hpp"
 #include "simulators/lab/study/figures.hpp"
 #include "simulators/lab/study/lab_run.hpp"
 #include "simulators/lab/study/option_words.hpp"
@@ -30,6 +31,7 @@ constexpr double kTable_s = 120;
 struct Options {
   study::LabRun lab;
   study::ThesisWords thesis;
+  study::FaultMatrixWords matrix;
   bool list = false;
   std::string table;
   std::string figures;
@@ -125,6 +127,7 @@ int main(int argc, char** argv) {
   app.add_option("--figures", options.figures,
                  "write the thesis' result figures, ours beside them, and index.html into this folder; seed, "
                  "seconds, files and differences are those of ours");
+  options.matrix.add_to(app);
   app.add_option("--sensors", options.lab.sensors, "real, or ideal: no noise, bias or drift")
       ->check(CLI::IsMember({"ideal", "real"}))
       ->capture_default_str();
@@ -186,6 +189,9 @@ int main(int argc, char** argv) {
     if (!options.figures.empty()) {
       write_figures(app, options);
       return 0;
+    }
+    if (options.matrix.wanted()) {
+      return study::fault_matrix(app, options.lab, options.matrix, options.report);
     }
     const std::string text = answer(app, options);
     if (options.report.empty()) {

@@ -53,6 +53,23 @@ TEST_F(MemoryDatagrams, ArriveAfterTheLatencyAndAreStampedWithIt) {
   EXPECT_EQ(network_.next_due(), std::nullopt);
 }
 
+TEST_F(MemoryDatagrams, AreShownAsTheyAreSentWhateverBecomesOfThem) {
+  listen();
+  network_.set_datagram_fault(kB, {.silent = true});
+  network_.on_sent([this](Endpoint from, Endpoint to, Bytes bytes, LabTime t) {
+    EXPECT_EQ(from, kA);
+    EXPECT_EQ(to, kB);
+    seen_.emplace_back(as_text(bytes));
+    arrivals_.push_back(t);
+  });
+  send(2);
+  EXPECT_THAT(seen_, ElementsAre("0", "1"));
+  EXPECT_THAT(arrivals_, ElementsAre(LabTime{0ms}, LabTime{1ms}));
+  network_.on_sent({});
+  send(1);
+  EXPECT_EQ(seen_.size(), 2u);
+}
+
 TEST_F(MemoryDatagrams, AHandlerSeesTheTimeOfTheArrival) {
   LabTime seen_at{};
   b_->on_datagram([&](Bytes, Endpoint, LabTime) { seen_at = clock_.now(); });

@@ -190,6 +190,28 @@ TEST_F(Lab, RefusesToStartWhenAnAddressIsTaken) {
   EXPECT_THROW(SimulatedLab(config_, network_, clock_.now()), std::exception);
 }
 
+TEST_F(Lab, EveryFaultThatItNamesIsKnownAndEveryNameOfARefusalIsNamed) {
+  build();
+  for (const std::string device : {"mru1", "mru2", "qualisys", "arm", "winch"}) {
+    const auto names = lab_->fault_names(device);
+    for (const std::string& name : names) {
+      const Status done = lab_->set_fault(device, name, true);
+      EXPECT_TRUE(done.ok() || done.fault().text.find("unknown") == std::string_view::npos) << device << name;
+      (void)lab_->set_fault(device, name, false);
+    }
+    std::string told{lab_->set_fault(device, "?", true).fault().text};
+    std::replace(told.begin(), told.end(), ',', ' ');
+    std::istringstream words(told.substr(told.find("off")));
+    for (std::string word; words >> word;) {
+      if (word.back() == ';' || word.back() == ':') word.pop_back();
+      if (word == "its" || word == "wire" || word == "occlude:<body>") continue;
+      EXPECT_THAT(names, testing::Contains(word)) << device;
+    }
+  }
+  EXPECT_THAT(lab_->fault_names("qualisys"), testing::Contains("occlude:platform"));
+  EXPECT_TRUE(lab_->fault_names("crane").empty());
+}
+
 TEST_F(Lab, AGustPushesTheLoadTheWayItBlowsUntilItEnds) {
   LabConfig calm;
   calm.set_scenario("calm");

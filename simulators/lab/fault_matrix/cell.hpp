@@ -1,0 +1,66 @@
+/// @file  A cell of the fault matrix: which fault, of what, in which state of the gateway, and when.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simulators/lab/lab_config.hpp"
+
+namespace motionlab::matrix {
+
+/// What the gateway does when the fault comes.
+enum class State {
+  settled,  ///< nothing is engaged while the ship moves; somebody asks to engage while the fault lasts
+  calm,     ///< engaged, the ship rests
+  sea       ///< engaged, the ship moves
+};
+inline constexpr State kStates[] = {State::settled, State::calm, State::sea};
+
+/// Which program the robot computer runs.
+enum class Program {
+  hardened,  ///< with a watchdog of its own
+  faithful   ///< the laboratory's, with its published defects; the gateway then knows that there is no
+             ///< watchdog
+};
+
+/// One fault of one device, or of its wire.
+struct DeviceFault {
+  std::string device;
+  std::string name;
+  Program program = Program::hardened;
+
+  bool operator==(const DeviceFault&) const = default;
+};
+
+struct Cell {
+  DeviceFault fault;
+  State state = State::settled;
+
+  [[nodiscard]] std::string title() const;
+  bool operator==(const Cell&) const = default;
+};
+
+[[nodiscard]] std::string_view to_string(State state);
+[[nodiscard]] std::string_view to_string(Program program);
+
+/// Every fault that the devices of this laboratory and their wires can have, in their own order: each name
+/// that they know is tried, and what is refused does not exist. The faults of the robot computer come for
+/// both of its programs.
+[[nodiscard]] std::vector<DeviceFault> every_fault(const lab::LabConfig& config);
+/// Each of them in each state.
+[[nodiscard]] std::vector<Cell> every_cell(const std::vector<DeviceFault>& faults);
+
+/// When what happens, in s since the start.
+struct Timetable {
+  double engage_s;      ///< somebody asks to engage
+  double fault_s;       ///< the fault begins ...
+  double fault_ends_s;  ///< ... and ends
+  double end_s;         ///< of the run
+
+  /// Cameras are coasted over for 10 s, and an arm that nobody stops takes as long to the edge of its box:
+  /// theirs last longer than the 5 s of the others.
+  [[nodiscard]] static Timetable of(const Cell& cell);
+};
+
+}  // namespace motionlab::matrix

@@ -1,0 +1,116 @@
+#include "simulators/lab/fault_matrix/report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "drivers/core/error.hpp"
+#include "simulators/lab/fault_matrix/table.hpp"
+
+namespace motionlab::matrix {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Matrix one() {
+  Outcome o;
+  o.ending = Ending::rests;
+  o.code = "mru1_stale";
+  o.detected_after_s = 0.02;
+  o.detected_by = "mode mru1_stale";
+  o.at_rest_after_s = 0.4;
+  o.swing_max_deg = 2;
+  o.swing_rms_deg = 1;
+  o.twin_swing_max_deg = 3;
+  o.overshoot.joint_speed = 0.5;
+  o.advised = true;
+  return {{{{"mru1", "off", Program::hardened}, State::sea}, o}};
+}
+
+TEST(FaultMatrix, ComesBackFromItsFile) {
+  Matrix matrix = one();
+  matrix.push_back({{{"arm", "cut", Program::faithful}, State::settled}, {}});
+  const Matrix back = from_json(to_json(matrix));
+  ASSERT_EQ(back.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(back[i].cell, matrix[i].cell);
+    EXPECT_EQ(back[i].outcome, matrix[i].outcome);
+  }
+}
+
+TEST(FaultMatrix, RefusesAFileThatIsNone) {
+  EXPECT_THROW((void)from_json("[{"), StartupError);
+  EXPECT_THROW((void)from_json("[{\"device\": \"mru1\"}]"), StartupError);
+}
+
+TEST(FaultMatrix, IsNotWorseThanItselfNorThanWorse) {
+  EXPECT_THAT(worse(one(), one()), IsEmpty());
+  Matrix later = one();
+  later[0].outcome.at_rest_after_s = 2;
+  EXPECT_THAT(worse(one(), later), IsEmpty());
+}
+
+TEST(FaultMatrix, SaysWhatGotWorse) {
+  const auto offence = [](auto change) {
+    Matrix now = one();
+    change(now[0].outcome);
+    return worse(now, one());
+  };
+  EXPECT_THAT(offence([](Outcome& o) { o.ending = Ending::rides_through; }),
+              ElementsAre(HasSubstr("mru1:off, engaged in sea: it rides through")));
+  EXPECT_THAT(offence([](Outcome& o) { o.detected_after_s = 0.08; }), ElementsAre(HasSubstr("detected")));
+  EXPECT_THAT(offence([](Outcome& o) { o.detected_after_s = 0.07; }), IsEmpty());
+  EXPECT_THAT(offence([](Outcome& o) { o.detected_after_s.reset(); }), ElementsAre(HasSubstr("never")));
+  EXPECT_THAT(offence([](Outcome& o) { o.at_rest_after_s = 0.7; }), ElementsAre(HasSubstr("at rest")));
+  EXPECT_THAT(offence([](Outcome& o) { o.swing_max_deg = 3.1; }), ElementsAre(HasSubstr("swing")));
+}
+
+TEST(FaultMatrix, HasTheCellsThatWereRecordedAndNoOther) {
+  EXPECT_THAT(worse(one(), {}), ElementsAre(HasSubstr("nothing is recorded")));
+  EXPECT_THAT(worse({}, one()), ElementsAre(HasSubstr("no such cell")));
+}
+
+TEST(FaultMatrix, NeverPassesWhatIsUnsafe) {
+  EXPECT_THAT(offences(one()), IsEmpty());
+  Matrix bad = one();
+  bad[0].outcome.moved_by_itself = true;
+  bad[0].outcome.overshoot.joint_speed = 1.2;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed"), HasSubstr("by itself")));
+  bad = one();
+  bad[0].outcome.ending = Ending::not_stoppable;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("did not stop")));
+  bad[0].cell.fault = {"arm", "cut", Program::faithful};
+  EXPECT_THAT(offences(bad), IsEmpty()) << "nobody on this side can";
+}
+
+TEST(FaultMatrix, TellsPeopleWhatEachCellEndedWith) {
+  Matrix matrix = one();
+  EXPECT_THAT(to_markdown(matrix), HasSubstr("| `off` | **rests** 400 ms; 20 ms mode mru1_stale; 2.0° |\n"));
+  matrix[0].cell.fault = {"arm", "cut", Program::faithful};
+  matrix[0].outcome.ending = Ending::not_stoppable;
+  EXPECT_THAT(to_markdown(matrix), HasSubstr("runs to the box edge: not stoppable by us"));
+}
+
+TEST(FaultMatrixCells, AreThoseThatTheDevicesKnowAndNoOther) {
+  const auto config =
+      lab::LabConfig::load(std::filesystem::path(MOTIONLAB_SOURCE_DIR) / "deploy" / "config" / "world.toml");
+  const auto faults = every_fault(config);
+  const auto has = [&](const DeviceFault& fault) {
+    return std::find(faults.begin(), faults.end(), fault) != faults.end();
+  };
+  EXPECT_TRUE(has({"arm", "torn", Program::faithful}));
+  EXPECT_FALSE(has({"arm", "torn", Program::hardened})) << "this program hands commands over whole";
+  EXPECT_FALSE(has({"mru1", "reduced"})) << "mrubin has no word for it";
+  EXPECT_TRUE(has({"qualisys", "occlude:load"}));
+  EXPECT_TRUE(has({"winch", "jitter"}));
+  EXPECT_FALSE(has({"winch", "loss"})) << "TCP hides it";
+  EXPECT_FALSE(has({"arm", "clock-jump"})) << "its answers carry no clock";
+  EXPECT_EQ(every_cell(faults).size(), 3 * faults.size());
+}
+
+}  // namespace
+}  // namespace motionlab::matrix
