@@ -17,7 +17,10 @@ namespace {
 
 std::string partitions_of(const bus::SeenQos& qos) {
   std::string text;
-  for (const std::string& name : qos.partitions) text += (text.empty() ? "" : ",") + escaped(name);
+  for (const std::string& name : qos.partitions) {
+    if (!text.empty()) text += ',';
+    text += escaped(name);
+  }
   return text;
 }
 
