@@ -164,7 +164,9 @@ TEST(DdsWatch, GetsAKeptSampleAndThoseOfAPartition) {
     if (!heard) heard = mode_tap.next();
     return heard.has_value();
   })) << "it was written before anybody listened";
-  if (heard) EXPECT_EQ(heard->sample.sequence_number, 7u);
+  if (heard) {
+    EXPECT_EQ(heard->sample.sequence_number, 7u);
+  }
   EXPECT_TRUE(eventually([&] {
     truths.publish(topic::TruthWorld{});
     return truth_tap.next().has_value();
