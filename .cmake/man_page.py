@@ -47,10 +47,10 @@ def sections_of(lines):
         elif items is not None and line.startswith(" " * 30) and items:
             items[-1][1] = f"{items[-1][1]} {line.strip()}".strip()
         elif items is not None and ITEM.match(line):
-            name, what = line[2:], ""
-            if len(line) > 30 and line[28:30] == "  " and line[30] != " ":
-                name, what = line[2:30].rstrip(), line[30:]
-            items.append([name, what])
+            # A name that is too long for its column has its description in the next line.
+            below = i + 1 < len(lines) and lines[i + 1].startswith(" " * 30)
+            short = not below and line[29:30] in ("", " ")
+            items.append([line[2:30].rstrip(), line[30:].strip()] if short else [line[2:], ""])
     return sections, notes
 
 
