@@ -5,6 +5,7 @@ set -euo pipefail
 
 readonly engage_at_s=10 score_from_s=20 calm_before_s=5
 readonly healthy_within_s=20 # of real time
+readonly page=127.0.0.1:8080
 
 usage() {
   cat <<'END'
@@ -13,7 +14,7 @@ usage: deploy/lab.sh [--scenario NAME] [--seed N] [--seconds S] [--headless] [--
   --scenario NAME  thesis-wave (default), sea, pierson-moskowitz, calm
   --seed N         of everything random (1)
   --seconds S      length of the run, more than 20 (until Ctrl-C; with --headless 60)
-  --headless       nothing but this terminal; today the terminal is all there is
+  --headless       nothing but this terminal: no page
   --report FILE    write the score as JSON
 
 The sea begins at 0 s, the gateway is engaged at 10 s, the score counts from 20 s on. Needs Debian 12; packages that are
@@ -92,7 +93,7 @@ echo "building (the first time takes some minutes)"
 if [[ ! -f $build/build.ninja ]]; then
   quietly cmake --preset release -DMOTIONLAB_TESTS=OFF || fail "CMake could not configure (above)"
 fi
-quietly cmake --build "$build" --target motionlab motionlab-gateway motionlab-sim motionlab-study 9>&- ||
+quietly cmake --build "$build" --target motionlab motionlab-console motionlab-gateway motionlab-sim motionlab-study 9>&- ||
   fail "the build failed (above)"
 
 readonly sim=$build/simulators/lab/sim/motionlab-sim
@@ -133,6 +134,7 @@ stop() {
 stop_all() {
   stop engage INT 2
   stop score INT 5
+  stop console INT 2
   stop gateway INT 12 # brings arm and winch to rest first
   stop simulator INT 5
   local name left=''
@@ -172,6 +174,24 @@ start gateway "$gateway" --config deploy/config/lab.toml \
   --overlay deploy/config/loopback.toml --overlay deploy/config/shared-vm.toml >"$logs/gateway.log" 2>&1
 echo "limits of freshness are wider than in a laboratory, because shared virtual machines stand still now and then:" \
   "deploy/config/shared-vm.toml"
+
+# The page. Its token is this run's own; whoever can read this terminal may engage.
+if ! $headless; then
+  (umask 077 && od -An -N16 -tx1 /dev/urandom | tr -d ' \n' >"$logs/console.token")
+  start console "$build/gateway/console/program/motionlab-console" --listen "$page" --config deploy/config/lab.toml \
+    --overlay deploy/config/loopback.toml --overlay deploy/config/shared-vm.toml \
+    --control --token-file "$logs/console.token" >"$logs/console.log" 2>&1
+  for ((tenth = 0; tenth < 50; ++tenth)); do
+    grep -q 'http://' "$logs/console.log" && break
+    alive console || break
+    sleep 0.1
+  done
+  if alive console; then
+    echo "see it: http://$page/   token for engage and reset: $(<"$logs/console.token")"
+  else
+    echo "lab.sh: there is no page: $(tail -n 1 "$logs/console.log")" >&2
+  fi
+fi
 
 deadline_ns=$(($(now_ns) + healthy_within_s * 1000000000))
 until status; do

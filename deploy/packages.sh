@@ -12,11 +12,13 @@ build=(
   libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless/java # fastddsgen is a Java program
   procps
   gnuplot-nox/gnuplot # motionlab-study --figures
+  nodejs/node npm/npm # the libraries of the console's page
 )
 test=(
   libgtest-dev libgmock-dev
   cyclonedds-dev cyclonedds-tools # a stranger on the bus
-  nodejs/node npm/npm             # a stranger's ADS client
+  nodejs/node npm/npm             # strangers' clients
+  chromium                        # looks at the console's page
   tshark                          # a stranger's dissector
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics
@@ -50,7 +52,26 @@ for entry in "${wanted[@]}"; do
   [[ $entry == */* ]] && command -v "${entry#*/}" >/dev/null && continue
   missing+=("$package")
 done
-((${#missing[@]})) || exit 0
+
+# The libraries of the console's page, as its lock file pins them.
+fetch_page() {
+  cd gateway/console/page
+  [[ node_modules/.package-lock.json -nt package-lock.json ]] && return 0
+  local output
+  echo "fetching the libraries of the console's page from npm"
+  if ! output=$(npm ci --no-audit --no-fund --ignore-scripts 2>&1); then
+    printf '%s\n' "$output" >&2
+    echo "npm could not fetch them (above). Is there a network?" >&2
+    return 1
+  fi
+  touch node_modules/.package-lock.json
+}
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+if ((${#missing[@]} == 0)); then
+  fetch_page
+  exit
+fi
 
 as_root=()
 if ((EUID != 0)); then
@@ -71,3 +92,4 @@ if ! apt update || ! apt install --no-install-recommends "${missing[@]}"; then
   echo "apt-get could not install them (above). Is there a network, and is this Debian 12?" >&2
   exit 1
 fi
+fetch_page

@@ -257,7 +257,7 @@ class Orbit {
 }
 
 const views = {
-  1: [[-0.35, -0.15, 3.45], -0.86, 0.16, 8.4],   // everything
+  1: [[-0.3, -0.2, 3.1], -0.86, 0.16, 9.2],   // everything
   2: [[0.5, -0.2, 4.3], -0.9, 0.1, 4.6],     // the load
   3: [[0.2, 0, 3.6], -Math.PI / 2, 0.06, 8], // from the side
   4: [[-0.6, 0, 3.5], 0.0, 1.49, 11],        // from above
@@ -385,7 +385,7 @@ export class Scene {
       this.labels.push([parent, sprite]);
     };
     name(this.first.group, 'EM8000', [-1.2, -1.75, this.config.poses.em8000_to_comau.p_m[2] - 0.3]);
-    name(this.second.group, 'EM1500', [0.8, 1.1, -0.45]);
+    name(this.second.group, 'EM1500', [-0.75, -0.7, -0.4]);
     name(this.cameras, 'cameras', [0, 0, -0.3]);
     name(this.world, 'world', [0.1, 0.1, 0.25]);
     name(this.ghost, 'without control', [0, 0, -0.34], css('--twin'));

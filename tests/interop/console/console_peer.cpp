@@ -1,11 +1,12 @@
 /// @file  What stands on the other side of DDS when strangers judge the console. Every line that it prints is
 /// JSON.
 ///
-///   console_peer samples DOMAIN        five samples of every topic, again and again, until its standard
-///   input ends console_peer requests DOMAIN       prints the requests and references that arrive, likewise
+///   console_peer samples DOMAIN    five samples of every topic, again and again
+///   console_peer requests DOMAIN   prints the requests and references that arrive
 ///   console_peer fault DOMAIN DEVICE FAULT   switches a fault of a simulated device on, and ends
-///   console_peer flood DOMAIN          as many estimates, arm states and events as go, until its standard
-///   input ends
+///   console_peer flood DOMAIN      ten units and their health as fast as it goes, and some events
+///
+/// But for `fault`, until its standard input ends.
 #include <poll.h>
 #include <unistd.h>
 
