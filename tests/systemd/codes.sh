@@ -8,7 +8,9 @@ trap 'rm -rf "$here"' EXIT
 # The forms in which a code stands in the source; one that is made otherwise must be added here.
 code='[a-z][a-z0-9_]*'
 {
-  grep -rhoE --include='*.cpp' "(Obstacle\{|stale\(|enter\(state_, t, )\"$code\"" gateway
+  # A code may stand on the line below what it belongs to.
+  find gateway -name '*.cpp' -exec cat {} + | tr -s ' \n' ' ' |
+    grep -oE "(Obstacle\{ ?|stale\( ?|enter\(state_, t, |Transition\{[^\"}]*)\"$code\""
   grep -rhoE --include='*.cpp' "\"house\", \"$code\"" gateway/service
 } | grep -oE "\"$code\"[^\"]*$" | tr -d '"' | sort -u >"$here/told"
 grep -q '"link_" + link' gateway/service/program/house.cpp && printf 'link_%s\n' up stale connecting down >>"$here/told"
