@@ -265,7 +265,7 @@ TEST_F(Replay, ARecordingWithAGapIsRefused) {
   record::RunRecorder recorder(folder_ / "gap.mcap", tape, gateway.effective);
   bus::LocalBus local;
   service::ArmSchedule schedule;
-  service::ControlLoop loop(gateway, local, schedule, {}, &tape);
+  service::ControlLoop loop(gateway, local, schedule, {}, {}, &tape);
   for (int i = 1; i <= 200; ++i) {
     loop.step(LabTime{} + 1ms * i);
     if (i < 10 || i > 100) (void)recorder.drain();  // the writer sleeps for 90 ms

@@ -48,7 +48,7 @@ class Json {
     } else if constexpr (std::is_floating_point_v<Value>) {
       char digits[32];
       const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-      const std::string number(digits, end);
+      const std::string number(std::string_view(digits, static_cast<std::size_t>(end - digits)));
       text_ += std::isfinite(value) ? number : '"' + number + '"';
     } else if constexpr (std::is_arithmetic_v<Value>) {
       text_ += sizeof(Value) == 8 ? '"' + std::to_string(value) + '"' : std::to_string(value);

@@ -7,6 +7,7 @@
 #include "drivers/comau/comau_wire.hpp"
 #include "drivers/core/error.hpp"
 #include "gateway/monitor/motion_score.hpp"
+#include "gateway/service/snapshot.hpp"
 #include "simulators/lab/fault_matrix/cell_watch.hpp"
 #include "simulators/lab/study/two_at_a_time.hpp"
 
@@ -82,7 +83,8 @@ matrix::Outcome run_cell(const Cell& cell, lockstep::Config config) {
     }
   });
   auto mode = line.bus().reader<topic::Mode>();
-  auto winch = line.bus().reader<topic::WinchCommand>(config.gateway.winch.driver.device);
+  auto winch =
+      line.bus().reader<topic::WinchCommand>(config.gateway.winch.driver.device, service::kGatewayRequester);
   auto health = line.bus().reader<topic::Health>(cell.fault.device);
   const LabTime end = LabTime{} + from_seconds(times.end_s);
   const LabTime engage = LabTime{} + from_seconds(times.engage_s);

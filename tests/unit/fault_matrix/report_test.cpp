@@ -28,7 +28,12 @@ Matrix one() {
   o.twin_swing_max_deg = 3;
   o.overshoot.joint_speed = 0.5;
   o.advised = true;
-  return {{{{"mru1", "off", Program::hardened}, State::sea}, o}};
+  Matrix matrix;
+  matrix.emplace_back();
+  matrix.back().cell.fault = {"mru1", "off", Program::hardened};
+  matrix.back().cell.state = State::sea;
+  matrix.back().outcome = o;
+  return matrix;
 }
 
 TEST(FaultMatrix, ComesBackFromItsFile) {
