@@ -212,7 +212,9 @@ TEST_F(Hand, SeesAStrangersTopicsAndIsNotHarmedByThem) {
   EXPECT_EQ(one["period_median_ms"], 10.0);
   EXPECT_NEAR(one["jitter_us"]["max"].get<double>(), 0, 1e-6);
   EXPECT_GE(one["missing"].get<int>(), 10);
-  if (measured["lost_on_dds"] == 0) EXPECT_LE(one["missing"].get<int>(), 12);
+  if (measured["lost_on_dds"] == 0) {
+    EXPECT_LE(one["missing"].get<int>(), 12);
+  }
   EXPECT_TRUE(stranger.running()) << stranger.output();
 }
 #endif
