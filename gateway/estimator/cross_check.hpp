@@ -18,7 +18,7 @@ namespace motionlab::estimator {
 ///
 /// Tilt: roll and pitch of the platform by the unit, against the tracked body on it. Load: where the cameras
 /// see it, against the plumb line below the tool by unit, joints and winch. Waves and swing average out over
-/// the memory; nothing is told before that has passed.
+/// the memory; nothing is told before two seconds of both.
 class CrossCheck {
  public:
   explicit CrossCheck(const Calibration& calibration)
@@ -35,17 +35,14 @@ class CrossCheck {
   void step(const Inputs& inputs);
 
   /// Roll and pitch of the cameras minus those of the unit [rad].
-  [[nodiscard]] std::optional<Eigen::Vector2d> tilt_difference_rad() const {
-    return told(tilt_, kTiltMemory_s);
-  }
+  [[nodiscard]] std::optional<Eigen::Vector2d> tilt_difference_rad() const { return told(tilt_); }
   /// Load seen minus load expected, in world [m].
-  [[nodiscard]] std::optional<Eigen::Vector3d> load_difference_m() const {
-    return told(load_, kLoadMemory_s);
-  }
+  [[nodiscard]] std::optional<Eigen::Vector3d> load_difference_m() const { return told(load_); }
 
  private:
   static constexpr double kTiltMemory_s = 1.0;
   static constexpr double kLoadMemory_s = 4.0;
+  static constexpr double kFirstVerdict_s = 2.0;
 
   template <int N>
   struct Mean {
@@ -58,8 +55,8 @@ class CrossCheck {
     }
   };
   template <int N>
-  static std::optional<Eigen::Matrix<double, N, 1>> told(const Mean<N>& mean, double memory_s) {
-    return mean.seen_s >= memory_s ? std::optional(mean.value) : std::nullopt;
+  static std::optional<Eigen::Matrix<double, N, 1>> told(const Mean<N>& mean) {
+    return mean.seen_s >= kFirstVerdict_s ? std::optional(mean.value) : std::nullopt;
   }
 
   MruMount mount_;

@@ -186,6 +186,7 @@ Cdr request(std::endian order, const std::string& requester, std::uint32_t actio
       .number(std::uint64_t{17})
       .number(std::int64_t{-5})
       .number(action)
+      .number(std::uint8_t{1})
       .number(std::uint32_t{2});
 }
 

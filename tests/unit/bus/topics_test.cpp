@@ -87,6 +87,7 @@ TEST(Topics, HaveTheNamesThatUsersWereTold) {
                                                 {"Control", "motionlab/control"},
                                                 {"Reference", "motionlab/reference"},
                                                 {"Mode", "motionlab/mode"},
+                                                {"Timing", "motionlab/timing"},
                                                 {"ModeRequest", "motionlab/mode_request"},
                                                 {"Health", "motionlab/health"},
                                                 {"Score", "motionlab/score"},
