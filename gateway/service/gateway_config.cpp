@@ -409,7 +409,8 @@ std::string wiring(const GatewayConfig& config) {
                                 (mru.rule.required ? ", required" : ""));
   }
   line(config.qualisys.driver.device, "calls tcp " + to_string(config.qualisys.server) +
-                                          ", frames come to udp " + to_string(config.qualisys.listen));
+                                          ", frames come to udp " + to_string(config.qualisys.listen) +
+                                          (config.qualisys.rule.required ? ", required" : ""));
   line(config.comau.driver.device, "sends udp from " + to_string(config.comau.listen) + " to " +
                                        to_string(config.comau.driver.robot_computer) + ", required");
   line(config.winch.driver.device, "calls tcp " + to_string(config.winch.plc) + " (ADS " +

@@ -165,7 +165,7 @@ TEST(Configuration, WiringNamesEveryDeviceItsAddressAndWhatIsRequired) {
         "required", "DDS domain 42"}) {
     EXPECT_THAT(text, HasSubstr(words));
   }
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 7) << text;
 }
 
 TEST(Configuration, APortInUseIsToldBeforeAnythingIsSent) {

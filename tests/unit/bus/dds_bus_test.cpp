@@ -202,6 +202,7 @@ TEST(DdsBus, CarriesRequestsOfTwoRequestersAndAllOfABurst) {
     ASSERT_TRUE(eventually([&] { return side->dds.matched<topic::ModeRequest>() == 1; }));
     auto publisher = side->local.advertise<topic::ModeRequest>();
     topic::ModeRequest request;
+    request.action = topic::ModeAction::reset;  // several settles would be one
     request.requester = side == requesters.front() ? "console" : "hand";
     for (request.sequence_number = 1; request.sequence_number <= 16; ++request.sequence_number) {
       EXPECT_TRUE(publisher.publish(request));

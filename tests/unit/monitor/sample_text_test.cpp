@@ -110,10 +110,10 @@ TEST(FieldSelection, SaysHowLongAnArrayIs) {
 
 TEST(SampleText, IsABlockWithTheTimeOfDay) {
   const std::string text = as_block(select_fields(of_mru(), {}), values_of(mru()));
-  EXPECT_THAT(text, StartsWith("device                  mru1\n"));
-  EXPECT_THAT(text, HasSubstr("\nt_measured_ns           1795551348123456789  (20:15:48.123456 UTC)\n"));
-  EXPECT_THAT(text, HasSubstr("\nt_received_ns           0\n"));
-  EXPECT_THAT(text, HasSubstr("\neuler_heading_mru_rad   [0.1, -0.333333, 1e-300]\n"));
+  EXPECT_THAT(text, StartsWith("device                   mru1\n"));
+  EXPECT_THAT(text, HasSubstr("\nt_measured_ns            1795551348123456789  (20:15:48.123456 UTC)\n"));
+  EXPECT_THAT(text, HasSubstr("\nt_received_ns            0\n"));
+  EXPECT_THAT(text, HasSubstr("\neuler_heading_mru_rad    [0.1, -0.333333, 1e-300]\n"));
   EXPECT_THAT(text, testing::EndsWith("\n---\n"));
 }
 

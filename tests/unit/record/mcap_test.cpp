@@ -68,7 +68,8 @@ Contents read(const std::string& bytes) {
                                std::string(as_text(attachment->data)));
     } else {
       const auto& metadata = std::get<McapMetadata>(**item);
-      contents.items.push_back(metadata.name + ' ' + metadata.values.at("by"));
+      const auto by = metadata.values.find("by");  // a flipped bit may have renamed it
+      contents.items.push_back(metadata.name + ' ' + (by == metadata.values.end() ? "" : by->second));
     }
   }
   contents.complete = reader.complete();

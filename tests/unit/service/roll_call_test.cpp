@@ -33,8 +33,9 @@ TEST(RollCall, WaitsForEveryRequiredDeviceAndSaysWhy) {
 }
 
 TEST(RollCall, IsCompleteWithoutDevicesThatAreNotRequired) {
-  const auto roll = call_roll(lab_config(), {health("mru1", LinkState::up), health("arm", LinkState::up),
-                                             health("winch", LinkState::up)});
+  const auto roll =
+      call_roll(lab_config(), {health("mru1", LinkState::up), health("arm", LinkState::up),
+                               health("winch", LinkState::up), health("qualisys", LinkState::up)});
   EXPECT_TRUE(roll.complete());
   topic::Mode mode;
   mode.state = topic::ModeState::settled;
@@ -45,16 +46,18 @@ TEST(RollCall, IsCompleteWithoutDevicesThatAreNotRequired) {
 }
 
 TEST(RollCall, CallsALateDeviceConnected) {
-  const auto roll = call_roll(lab_config(), {health("mru1", LinkState::stale), health("arm", LinkState::up),
-                                             health("winch", LinkState::up)});
+  const auto roll =
+      call_roll(lab_config(), {health("mru1", LinkState::stale), health("arm", LinkState::up),
+                               health("winch", LinkState::up), health("qualisys", LinkState::up)});
   EXPECT_TRUE(roll.complete());
   EXPECT_THAT(roll.sentence({}), HasSubstr("mru1 (stale)"));
 }
 
 TEST(RollCall, DoesNotWaitForADeviceThatIsDeclaredAbsent) {
   const auto config = lab_config("[service]\nabsent = [\"arm\", \"mru2\"]\n");
-  const auto roll = call_roll(config, {health("mru1", LinkState::up), health("arm", LinkState::down),
-                                       health("winch", LinkState::up), health("mru2", LinkState::up)});
+  const auto roll = call_roll(
+      config, {health("mru1", LinkState::up), health("arm", LinkState::down), health("winch", LinkState::up),
+               health("qualisys", LinkState::up), health("mru2", LinkState::up)});
   EXPECT_TRUE(roll.complete());
   EXPECT_THAT(roll.absent, ElementsAre("arm"));  // mru2 has come after all
   EXPECT_THAT(roll.sentence({}), HasSubstr("up: mru1 mru2 winch"));
