@@ -64,11 +64,16 @@ class Replay {
       recorded_.push_back({*kind, {message.data.begin(), message.data.end()}});
       return true;
     }
-    if (!end_step()) return false;
     if (const Status read = record::read_cdr(message.data, inputs_); !read)
       refuse("is damaged at step " + std::to_string(outcome_.steps + 1) + ": " +
              std::string(read.fault().text));
-    return begin_step();
+    // First, because what a missing step published would count as the last one's.
+    if (inputs_.sequence_number != outcome_.steps + 1) {
+      refuse("has step " + std::to_string(inputs_.sequence_number) + " where step " +
+             std::to_string(outcome_.steps + 1) +
+             " should be; only a recording from the first step on, without gaps, can be run again");
+    }
+    return end_step() && begin_step();
   }
 
   /// @param whole  the recording was finished: its last step is compared, too
@@ -105,12 +110,6 @@ class Replay {
 
   bool begin_step() {
     if (!loop_) build();
-    if (inputs_.sequence_number != outcome_.steps + 1) {
-      refuse("has step " + std::to_string(inputs_.sequence_number) + " where step " +
-             std::to_string(outcome_.steps + 1) +
-             " should be; only a recording from the first step on, without "
-             "gaps, can be run again");
-    }
     if (inputs_.outputs_crc != (outcome_.steps == 0 ? 0 : tape_->outputs_crc()) && !unequal_) {
       unequal_ = Difference{outcome_.steps,
                             stepped_,
