@@ -48,7 +48,7 @@ struct DriverConfig {
   int frozen_after_answers = 4;  ///< so many answers with one frame counter: its control cycle stands still
   double silent_after_s = 1.0;   ///< without a new frame for so long the link is down
   double ignored_after_s = 0.2;  ///< told to move and not moving for so long: braked, and said in the advice
-  double answer_gap_s = 0.02;      ///< across a longer gap between answers nothing is said of how the arm moves
+  double answer_gap_s = 0.02;    ///< across a longer gap between answers nothing is said of how the arm moves
   double slow_below_share = 0.85;  ///< moving at less than this share of what is told: said in the advice
   double ahead_unasked_s = 0.01;   ///< the counter runs ahead of our time by more: asked of the next answer
   double restart_gap_s = 1.0;      ///< the frame counter jumps by more than this: the program was restarted

@@ -21,7 +21,8 @@ class FrameOrder {
     std::optional<Fault> fault;  ///< duplicate, out_of_order
     bool first_part = false;     ///< of a new frame
     bool restarted = false;      ///< QTM's time began again: nothing learned of it holds any more
-    std::uint64_t lost = 0;      ///< frames that the number says are missing before this one, if time allows so many
+    std::uint64_t lost =
+        0;  ///< frames that the number says are missing before this one, if time allows so many
   };
 
   [[nodiscard]] Verdict judge(const DataFrame& packet) noexcept;

@@ -70,10 +70,10 @@ TEST_F(Service, IsReadyOnlyWhenEveryRequiredDeviceIsConnected) {
 }
 
 TEST_F(Service, DoesNotWaitForDevicesThatAreDeclaredAbsent) {
-  write("gateway.toml", gateway_overlay() + "[service]\nabsent = [\"mru1\", \"arm\", \"winch\"]\n");
+  write("gateway.toml", gateway_overlay() + "[service]\nabsent = [\"mru1\", \"qualisys\", \"arm\", \"winch\"]\n");
   auto gateway = start_gateway();
   EXPECT_TRUE(hears("READY=1")) << gateway->output();
-  EXPECT_TRUE(hears("declared absent: mru1 arm winch")) << systemd_.all();
+  EXPECT_TRUE(hears("declared absent: mru1 qualisys arm winch")) << systemd_.all();
 }
 
 TEST_F(Service, DoesNotStrokeTheWatchdogWhileAThreadHangs) {

@@ -1,7 +1,7 @@
 /* A stranger who operates a running gateway: hears every topic that it and the simulator publish, engages it,
  * moves the load's reference, sees the load follow, and settles it. Usage: cyclone_operator DOMAIN. Each step
- * has 40 s; the exit code says whether all were done. A machine that stands still makes the gateway let go and
- * latch, rightly: then he resets it and begins again, twice at most. */
+ * has 40 s; the exit code says whether all were done. A machine that stands still makes the gateway let go
+ * and latch, rightly: then he resets it and begins again, twice at most. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
