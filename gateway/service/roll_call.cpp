@@ -47,7 +47,9 @@ std::string RollCall::waited_for() const {
 
 std::string RollCall::sentence(const topic::Mode& mode) const {
   std::string text{"waiting for"};
-  if (complete()) {
+  // What has run once tells its mode, which knows more of what a lost device means.
+  const bool told_by_mode = complete() || mode.state != topic::ModeState::off;
+  if (told_by_mode) {
     text = to_string(mode.state);
     if (!mode.fault_code.empty()) text += " " + mode.fault_code.str();
     if (!mode.reason.empty()) text += ": " + mode.reason.str();
@@ -62,7 +64,7 @@ std::string RollCall::sentence(const topic::Mode& mode) const {
   if (!up.empty()) text += "; up:" + listed(up);
   const char* separator = "; missing: ";
   for (const auto& each : missing) {
-    if (each.waited_for) continue;
+    if (each.waited_for && !told_by_mode) continue;
     text += separator + each.device + " (" + each.why + ")";
     separator = ", ";
   }

@@ -65,7 +65,9 @@ int main(int argc, char** argv) {
         {.wires = service::wires(config),
          .io_silent_after = from_seconds(config.deadman.heartbeat_s),
          .control_silent_after = from_seconds(config.deadman.control_s)},
-        [](const std::string& said) { service::say(service::LogLevel::warning, "deadman", "", said); });
+        [](const std::string& said) {
+          service::say(service::LogLevel::warning, "deadman", "deadman", "deadman: " + said);
+        });
     service::House house(
         config, [&options] { return read_config(options); }, *lifeline);
     house.run();
