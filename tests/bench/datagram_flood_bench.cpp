@@ -130,7 +130,9 @@ TEST_F(DatagramFlood, ChangesNoCommandAndIsCounted) {
       EXPECT_GT(refused, sent / 50) << device << ": the port is read";
       EXPECT_TRUE(gateway->running()) << gateway->output();
       EXPECT_TRUE(flooded.finite) << device;
-      if (meter.mode().state == ModeState::engaged) EXPECT_LT(flooded.fastest_command, kStill) << device;
+      if (meter.mode().state == ModeState::engaged) {
+        EXPECT_LT(flooded.fastest_command, kStill) << device;
+      }
       ratios.push_back(flooded.step_us(0.99) / quiet.step_us(0.99));
       std::printf("%-9s %4d %8.0f > %7.0f %10.1f > %7.1f %11.5f %9" PRIu64 " %9.0f %9" PRIu64 " %9" PRIu64
                   "\n",
