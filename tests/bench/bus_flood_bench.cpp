@@ -133,7 +133,8 @@ class BusFlood : public integration::Processes {
         if (with_flood) flood.go_on();
         settle_down();
         let_go += meter.mode().state == ModeState::engaged ? 0 : 1;
-        ASSERT_TRUE(meter.engage()) << meter.mode().reason.view();
+        ASSERT_TRUE(meter.engage()) << meter.mode().reason.view() << '\n'
+                                    << gateway.output() << simulator->output();
         const auto before = flood.sent();
         const auto begin = std::chrono::steady_clock::now();
         (with_flood ? flooded : quiet) = meter.look_on(stretch);
