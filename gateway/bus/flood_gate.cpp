@@ -29,28 +29,21 @@ void GateWindow::count(const Text<32>& requester) noexcept {
 
 bool RequestGate::passes(const topic::ModeRequest& request, Time now) noexcept {
   if (window_.begin(now)) settled_last_ = false;
-  if (request.action == topic::ModeAction::settle) {
-    if (settled_last_) {
-      if (settle_) ++refused_;
-      settle_ = request;
-      return false;
-    }
-    settled_last_ = true;
-    return true;  // not counted: settling costs nobody his turn
-  }
+  const bool settle = request.action == topic::ModeAction::settle;
   const auto of_him = window_.passed_of(request.requester);
   const bool turn =
       of_him && *of_him < kForOne &&
       (window_.passed() < kForAll || (*of_him == 0 && window_.passed() < kForAll + kForNewcomers));
-  if (!turn) {
-    ++refused_;
-    return false;
+  if (turn) window_.count(request.requester);
+  if (turn || (settle && !settled_last_)) {
+    settled_last_ = settle;
+    if (settle_) ++refused_;
+    settle_.reset();  // it was said before this one, and its work is done
+    return true;
   }
-  window_.count(request.requester);
-  settled_last_ = false;
-  if (settle_) ++refused_;
-  settle_.reset();  // it was said before this one, and its work is done
-  return true;
+  if (!settle || settle_) ++refused_;
+  if (settle) settle_ = request;
+  return false;
 }
 
 std::optional<topic::ModeRequest> RequestGate::held(Time now) noexcept {

@@ -47,9 +47,9 @@ class GateWindow {
 /// Requests: in a window 32 pass, at most 16 of one requester (what DDS keeps of him), and 16 more of those
 /// of whom nothing has passed yet, so that one who shouts does not silence the others.
 ///
-/// A settle passes at once whatever was spent, unless the last that passed in this window was a settle too:
-/// that one has done its work. Should nothing else pass it is handed on when the window ends, so that a
-/// settle is always the last word of whoever said it last. One thread.
+/// A settle passes at once whatever was spent, unless its requester's turns are spent and the last that
+/// passed in this window was a settle too: that one has done its work. Should nothing else pass it is handed
+/// on when the window ends, so that a settle is always the last word of whoever said it last. One thread.
 class RequestGate {
  public:
   using Time = GateWindow::Time;

@@ -133,7 +133,8 @@ class BusFlood : public integration::Processes {
         if (with_flood) flood.go_on();
         settle_down();
         let_go += meter.mode().state == ModeState::engaged ? 0 : 1;
-        ASSERT_TRUE(meter.engage()) << meter.mode().reason.view();
+        ASSERT_TRUE(meter.engage()) << meter.mode().reason.view() << '\n'
+                                    << gateway.output() << simulator->output();
         const auto before = flood.sent();
         const auto begin = std::chrono::steady_clock::now();
         (with_flood ? flooded : quiet) = meter.look_on(stretch);
@@ -148,8 +149,8 @@ class BusFlood : public integration::Processes {
       if (HasFatalFailure()) return;
       ASSERT_TRUE(gateway.running()) << gateway.output();
       EXPECT_TRUE(quiet.finite && flooded.finite);
-      ASSERT_GT(quiet.step_cpu_us.size(), 50U);
-      ASSERT_GT(flooded.step_cpu_us.size(), 50U);
+      ASSERT_GE(quiet.step_cpu_us.size(), test::GatewayMeter::kFewest);
+      ASSERT_GE(flooded.step_cpu_us.size(), test::GatewayMeter::kFewest);
       cpu.push_back(flooded.cpu_us(0.5) / quiet.cpu_us(0.5));
       cpu_p99.push_back(flooded.cpu_us(0.99) / quiet.cpu_us(0.99));
       step_p99.push_back(flooded.step_us(0.99) / quiet.step_us(0.99));

@@ -62,11 +62,10 @@ TEST(RequestGate, ASettlePassesAtOnceWhateverWasSpent) {
   EXPECT_TRUE(dut.passes(request("10001", ModeAction::settle), kBegin));
 }
 
-TEST(RequestGate, SettlesInSuccessionAreOneNowAndOneWhenTheWindowEnds) {
+TEST(RequestGate, SettlesBeyondTheirTurnsAreOneWhenTheWindowEnds) {
   RequestGate dut;
-  EXPECT_TRUE(dut.passes(request("a", ModeAction::settle, 1), kBegin));
-  for (std::uint64_t n = 2; n <= 100; ++n) {
-    EXPECT_FALSE(dut.passes(request("a", ModeAction::settle, n), kBegin));
+  for (std::uint64_t n = 1; n <= 100; ++n) {
+    EXPECT_EQ(dut.passes(request("a", ModeAction::settle, n), kBegin), n <= RequestGate::kForOne) << n;
   }
   EXPECT_EQ(dut.due(), kBegin + kGateWindow);
   EXPECT_FALSE(dut.held(kBegin + kGateWindow - 1ns));
@@ -75,12 +74,16 @@ TEST(RequestGate, SettlesInSuccessionAreOneNowAndOneWhenTheWindowEnds) {
   EXPECT_EQ(held->sequence_number, 100U);
   EXPECT_FALSE(dut.held(kBegin + kGateWindow));
   EXPECT_EQ(dut.due(), Time::max());
-  EXPECT_EQ(dut.refused(), 98U);
+  EXPECT_EQ(dut.refused(), 100 - RequestGate::kForOne - 1);
 }
 
 TEST(RequestGate, AnEngageBetweenTwoSettlesIsSettledAtOnceAndNotLater) {
   RequestGate dut;
-  EXPECT_TRUE(dut.passes(request("a", ModeAction::settle), kBegin));
+  for (std::size_t i = 0; i < RequestGate::kForOne; ++i) {
+    EXPECT_TRUE(dut.passes(request("a", ModeAction::engage), kBegin));
+  }
+  EXPECT_TRUE(dut.passes(request("a", ModeAction::settle), kBegin)) << "though his turns are spent";
+  EXPECT_FALSE(dut.passes(request("a", ModeAction::settle), kBegin)) << "the last one's work is done";
   EXPECT_TRUE(dut.passes(request("b", ModeAction::engage), kBegin));
   EXPECT_TRUE(dut.passes(request("a", ModeAction::settle), kBegin)) << "at once";
   EXPECT_FALSE(dut.passes(request("a", ModeAction::settle), kBegin));
