@@ -16,7 +16,7 @@ const text = sample => JSON.stringify(plain(sample));
 const lab = await Laboratory.make();
 const peer = startPeer('samples');
 const server = lab.startConsole();
-const topics = 16;
+const topics = 17;
 let client;
 const readers = new Map(), seen = new Map();
 
