@@ -91,24 +91,6 @@ TEST_F(Service, DoesNotStrokeTheWatchdogWhileAThreadHangs) {
   EXPECT_TRUE(hears("WATCHDOG=1"));  // a thread that goes on in time is forgiven
 }
 
-// These two move something: the deadman watches them more closely and ends the gateway earlier.
-TEST_F(Service, IsNotStrokedOnWhileIoOrControlHangs) {
-  for (const char* const thread : {"io", "control"}) {
-    auto gateway = start_gateway();
-    systemd_.forget();
-    ASSERT_TRUE(hears("WATCHDOG=1")) << gateway->output();
-    const StoppedThread stopped(gateway->pid(), thread);
-    ASSERT_TRUE(eventually(
-        [&] {
-          return gateway->output().find("no answer from thread") != std::string::npos ||
-                 gateway->output().find("deadman: ") != std::string::npos;
-        },
-        kPatience));
-    systemd_.forget();
-    EXPECT_TRUE(hears_no("WATCHDOG=1")) << thread;
-  }
-}
-
 TEST_F(Service, TakesWhatMayChangeLiveAndRefusesTheRestByName) {
   auto simulator = start_simulator();
   auto gateway = start_gateway();
