@@ -101,4 +101,3 @@ quietly inside dpkg -P motionlab-sim motionlab-gateway || fail "they cannot be p
 left=$(find "$root/etc" "$root/usr" "$root/var/lib" "$root/lib" -name '*motionlab*' 2>/dev/null || true)
 [[ -z $left ]] || fail "purging left $left"
 ok "leave nothing when purged"
-echo "7 passed, 0 failed"
