@@ -37,22 +37,27 @@ function(motionlab_program NAME)
   target_link_libraries(${NAME} PRIVATE motionlab_flags ${ARG_LINKS} ${ARG_EXTERNAL})
   install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARG_COMPONENT})
   if(ARG_MAN AND NOT CMAKE_CROSSCOMPILING)  # the program is run
-    motionlab_made(${NAME} man_${NAME} ${NAME}.${ARG_MAN} ${CMAKE_INSTALL_MANDIR}/man${ARG_MAN} ${NAME}.${ARG_MAN}
+    set(PAGE ${NAME}.${ARG_MAN}.gz)
+    motionlab_made(${NAME} man_${NAME} ${PAGE} ${CMAKE_INSTALL_MANDIR}/man${ARG_MAN} ${PAGE} COMPONENT ${ARG_COMPONENT}
       DEPENDS ${PROJECT_SOURCE_DIR}/.cmake/man_page.py
       COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/.cmake/man_page.py $<TARGET_FILE:${NAME}> ${NAME} ${ARG_MAN}
-              ${PROJECT_VERSION} ${CMAKE_CURRENT_BINARY_DIR}/${NAME}.${ARG_MAN})
+              ${PROJECT_VERSION} ${CMAKE_CURRENT_BINARY_DIR}/${PAGE})
   endif()
   motionlab_register(${NAME} 8 ${DIRECTORY} "${ARG_SOURCES}" "${ARG_LINKS}")
 endfunction()
 
-# motionlab_made(PROGRAM TARGET FILE FOLDER INSTALLED_NAME [DEPENDS …] COMMAND …): a file of this build folder that a
-# command makes with the help of a program of the house; installed.
+# motionlab_made(PROGRAM TARGET FILE FOLDER INSTALLED_NAME [COMPONENT c] [DEPENDS …] COMMAND …): a file of this build folder
+# that a command makes with the help of a program of the house; installed, with the gateway's package if nothing is said.
 function(motionlab_made PROGRAM TARGET FILE FOLDER INSTALLED_NAME)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;COMMAND" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "DEPENDS;COMMAND" ${ARGN})
+  if(NOT ARG_COMPONENT)
+    set(ARG_COMPONENT gateway)
+  endif()
   add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${FILE} COMMAND ${ARG_COMMAND}
                      DEPENDS ${PROGRAM} ${ARG_DEPENDS} VERBATIM)
   add_custom_target(${TARGET} ALL DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/${FILE})
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${FILE} DESTINATION ${FOLDER} RENAME ${INSTALLED_NAME})
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${FILE} DESTINATION ${FOLDER} RENAME ${INSTALLED_NAME}
+          COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 function(motionlab_register NAME LAYER DIRECTORY SOURCES LINKS)

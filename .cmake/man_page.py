@@ -3,10 +3,11 @@
 
     man_page.py PROGRAM NAME SECTION VERSION OUTPUT
 
-Reads the layout that CLI11 writes: a description, "Usage:", blocks of two-column items below a heading with a colon,
+The page is compressed as Debian wants it: the same bytes for the same help. Reads the layout that CLI11 writes: a description, "Usage:", blocks of two-column items below a heading with a colon,
 and at the end whatever examples and notes the program adds. A help that does not begin so is an error.
 """
 
+import gzip
 import pathlib
 import re
 import subprocess
@@ -111,7 +112,8 @@ def main():
         out += [".SH COMMANDS", *commands]
     if notes:
         out += [".SH EXAMPLES AND NOTES", *notes_in(notes)]
-    pathlib.Path(output).write_text("\n".join(out) + "\n")
+    page = ("\n".join(out) + "\n").encode()
+    pathlib.Path(output).write_bytes(gzip.compress(page, mtime=0))
 
 
 if __name__ == "__main__":

@@ -133,9 +133,11 @@ class Watcher {
   Settlement settlement_;
 };
 
-/// What ends services and terminals' programs does not end us, nor a log that nobody reads.
+/// What ends services and terminals' programs does not end us, nor a log that nobody reads, nor the watchdog
+/// of systemd that ends a hanging gateway: it sends SIGABRT to every process of the service. An abort() of
+/// our own still ends us.
 void ignore_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2}) {
+  for (const int signal : {SIGABRT, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2}) {
     std::signal(signal, SIG_IGN);
   }
 }

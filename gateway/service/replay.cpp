@@ -78,7 +78,7 @@ class Replay {
 
   /// @param whole  the recording was finished: its last step is compared, too
   ReplayOutcome finish(bool whole) {
-    outcome_.cut_off = !whole;
+    outcome_.cut_off = !whole && !outcome_.difference;
     if (outcome_.steps == 0) refuse("has no control step; record it with [record] inputs or --record");
     if (whole && !outcome_.difference) (void)end_step();
     if (!outcome_.difference && unequal_) outcome_.difference = unequal_;
@@ -217,7 +217,7 @@ ReplayOutcome replay(const std::filesystem::path& file) {
 std::string describe(const ReplayOutcome& outcome) {
   std::ostringstream text;
   text << outcome.steps << " steps";
-  if (outcome.cut_off && !outcome.difference) text << ", up to where the recording was cut off";
+  if (outcome.cut_off) text << ", up to where the recording was cut off";
   if (!outcome.difference) {
     text << ": equal to the bit (checksum of every step, " << outcome.outputs_compared << " samples)";
     return text.str();

@@ -24,8 +24,10 @@ struct Difference {
 struct ReplayOutcome {
   std::uint64_t steps = 0;             ///< taken
   std::uint64_t outputs_compared = 0;  ///< whole samples, besides the checksum of each step
-  bool cut_off = false;  ///< the recording ends early, as when its writer died: replayed up to there
-  std::string version;   ///< which wrote it
+  /// The recording ends early, as when its writer died: replayed up to there. Not told beside a difference,
+  /// which ends the reading.
+  bool cut_off = false;
+  std::string version;  ///< which wrote it
   std::optional<Difference> difference;
 };
 

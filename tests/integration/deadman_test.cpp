@@ -135,6 +135,18 @@ TEST_P(Deadman, EndsAGatewayWhoseControlThreadStandsStill) {
   EXPECT_TRUE(is_said("control thread was silent")) << gateway_->output();
 }
 
+TEST_P(Deadman, BrakesWhenAServiceManagerAbortsEveryProcessOfTheService) {
+  ASSERT_EQ(engage_in_a_sea(), "");
+  const auto deadman = child_named(gateway_->pid(), "deadman");
+  ASSERT_TRUE(deadman);
+  const std::int64_t t_abort_ns = real_time_ns();
+  ::kill(*deadman, SIGABRT);
+  gateway_->send(SIGABRT);
+  EXPECT_EQ(gateway_->exit_code(kPatience), -SIGABRT);
+  expect_braked(t_abort_ns);
+  EXPECT_TRUE(is_said("the gateway is gone; the arm is at rest; the winch is at rest")) << gateway_->output();
+}
+
 TEST_P(Deadman, IsLetGoByAnOrderlyEnd) {
   ASSERT_EQ(engage_in_a_sea(), "");
   const auto deadman = child_named(gateway_->pid(), "deadman");

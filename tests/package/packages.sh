@@ -22,7 +22,7 @@ fail() {
 ok() { echo "ok $1"; }
 
 rm -rf "$build/packages"
-{ cmake --build "$build" --target motionlab motionlab-gateway motionlab-sim motionlab-study &&
+{ cmake --build "$build" -j "$(nproc)" &&
   (cd "$build" && cpack -G DEB); } >"$here/cpack" 2>&1 || {
   cat "$here/cpack"
   fail "cpack"

@@ -1,9 +1,11 @@
 // Samples as bytes: the same as the bus's own encoding, and back to the bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "gateway/bus/type_support.hpp"
 #include "gateway/record/cdr.hpp"
@@ -21,6 +23,15 @@ ByteBuffer bytes_of(const T& sample) {
   buffer.resize(write_cdr(sample, buffer));
   EXPECT_FALSE(buffer.empty());
   return buffer;
+}
+
+/// Where two encodings begin to differ: at the field in which their samples do.
+std::size_t first_difference(const ByteBuffer& left, const ByteBuffer& right) {
+  return static_cast<std::size_t>(std::ranges::mismatch(left, right).in1 - left.begin());
+}
+
+std::optional<Reason> refusal(const Status& status) {
+  return status ? std::nullopt : std::optional(status.fault().reason);
 }
 
 template <class T>
@@ -115,21 +126,22 @@ TEST(Cdr, ValuesThatATypeCannotHaveAreRefused) {
   topic::ModeRequest request;
   request.action = static_cast<topic::ModeAction>(99);
   topic::ModeRequest again;
-  EXPECT_EQ(read_cdr(bytes_of(request), again).fault().reason, Reason::bad_value);
+  EXPECT_EQ(refusal(read_cdr(bytes_of(request), again)), Reason::bad_value);
   EXPECT_EQ(again.action, topic::ModeAction{});
 
   topic::ArmCommand command;
   ByteBuffer bytes = bytes_of(command);
-  for (auto& byte : bytes) {
-    if (&byte - bytes.data() == 4 + 24) byte = 2;  // follow: after an empty text and two numbers
-  }
+  command.follow = !command.follow;
+  bytes[first_difference(bytes, bytes_of(command))] = 2;
   topic::ArmCommand other;
-  EXPECT_EQ(read_cdr(bytes, other).fault().reason, Reason::bad_value);
+  EXPECT_EQ(refusal(read_cdr(bytes, other)), Reason::bad_value);
 
   topic::Snapshot snapshot;
   bytes = bytes_of(snapshot);
-  bytes[4 + 28] = 2;  // two samples in a sequence of at most one
-  EXPECT_FALSE(read_cdr(bytes, snapshot));
+  topic::Snapshot one_sample;
+  one_sample.mru.push({});
+  bytes[first_difference(bytes, bytes_of(one_sample))] = 2;  // in a sequence of at most one
+  EXPECT_EQ(refusal(read_cdr(bytes, snapshot)), Reason::bad_value);
 }
 
 }  // namespace
