@@ -3,7 +3,7 @@
 
 set(MOTIONLAB_LAYER_NAMES
   "0 core" "1 vocabulary and theorems" "2 wire codecs" "3 bus" "4 beliefs, laws, world, recordings" "5 both ends of each wire"
-  "6 assemblies" "7 lockstep" "8 programs")
+  "6 assemblies" "7 lockstep, doctor" "8 programs")
 
 # motionlab_library(NAME LAYER n DIRECTORY dir SOURCES … [LINKS …] [EXTERNAL …])
 #   LINKS     targets of the house, each of a lower layer

@@ -99,7 +99,7 @@ quietly cmake --build "$build" --target motionlab motionlab-console motionlab-ga
 readonly sim=$build/simulators/lab/sim/motionlab-sim
 readonly gateway=$build/gateway/service/program/motionlab-gateway
 unset MOTIONLAB_DOMAIN MOTIONLAB_INTERFACE # the files say where this laboratory is
-readonly hand=$build/gateway/monitor/motionlab
+readonly hand=$build/gateway/monitor/program/motionlab
 status() { "$hand" --interface 127.0.0.1 --timeout 1 status >"$logs/status.log" 2>&1 9>&-; }
 
 # --- run

@@ -148,20 +148,23 @@ double MruStream::rate_hz() const noexcept {
   return static_cast<double>(detector_.datagrams() - 1) / seconds(t_last_ - *t_first_);
 }
 
-int run_check_mru(const CheckMruCommand& command, const Terminal& terminal) {
+MruStream listen_to_mru(const CheckMruCommand& command, const std::atomic<bool>& interrupted) {
   MruStream stream{variable_list(command.variables)};
   boost::asio::io_context io;
   const RealClock clock;
   AsioNetwork network{io, clock};
   const auto socket = network.datagram({0, command.port});
   socket->on_datagram([&](Bytes datagram, Endpoint from, LabTime t) { stream.take(datagram, from, t); });
-  for (const LabTime end = clock.now() + from_seconds(command.seconds);
-       clock.now() < end && !terminal.interrupted;) {
+  for (const LabTime end = clock.now() + from_seconds(command.seconds); clock.now() < end && !interrupted;) {
     io.restart();
     io.run_for(kPoll);
   }
   socket->on_datagram({});
+  return stream;
+}
 
+int run_check_mru(const CheckMruCommand& command, const Terminal& terminal) {
+  const MruStream stream = listen_to_mru(command, terminal.interrupted);
   const auto format = stream.detector().format();
   if (command.json) {
     terminal.out << json_text(to_json(stream));

@@ -56,6 +56,10 @@ class MruStream {
   LabTime t_last_{};
 };
 
+/// Listens at the command's port for its time, or until the user has had enough.
+/// @throws StartupError  the port is in use, or the variables make no list
+[[nodiscard]] MruStream listen_to_mru(const CheckMruCommand& command, const std::atomic<bool>& interrupted);
+
 /// Listens and tells the format, the rate, how the checksums came out, and one decoded sample.
 ///
 /// The port must be free: the gateway must not be listening there. Nothing is ever sent.

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -42,9 +41,7 @@ Exit codes: 0 good, 1 something is wrong or the gateway said no, 2 nobody answer
 64 wrong usage, no such topic or field, or no connection, 130 interrupted.)";
 
 /// What the command line says, and which command it chose.
-struct Chosen {
-  Connection connection;
-  bool json = false;
+struct Chosen : Common {
   ModeCommand mode;
   ScoreCommand score;
   CheckMruCommand check_mru;
@@ -55,7 +52,7 @@ struct Chosen {
   ReferenceCommand reference;
   std::vector<double> place;
   std::string shell;
-  std::function<int(const Terminal&)> run;
+  Run run;
 };
 
 /// They may stand before or after the name of the command.
@@ -353,7 +350,8 @@ The package installs both.)");
 
 }  // namespace
 
-int run_command_line(int argc, const char* const* argv, const Terminal& terminal) {
+int run_command_line(int argc, const char* const* argv, const Terminal& terminal,
+                     const std::vector<FurtherCommand>& further) {
   Chosen chosen;
   CLI::App app{"The user's hand on a running motionlab-gateway.", "motionlab"};
   app.footer(kFooter);
@@ -381,6 +379,7 @@ More is granted only while nothing moves: settle first.)");
   add_reference(app, chosen);
   add_score(app, chosen);
   add_check(app, chosen);
+  for (const FurtherCommand& add : further) add(app, chosen, chosen.run);
   add_completion(app, chosen);
   app.require_subcommand(1);
   try {

@@ -12,31 +12,38 @@ namespace {
 constexpr Nanoseconds kHealthRound = 300ms;
 constexpr Nanoseconds kPoll = 50ms;
 
-struct Status {
-  std::optional<topic::Mode> mode;
-  std::vector<topic::Health> devices;
+nlohmann::ordered_json to_json(const Status& status) {
+  nlohmann::ordered_json json;
+  json["healthy"] = status.healthy();
+  json["mode"] = status.mode ? topic_json(*status.mode) : nullptr;
+  json["devices"] = nlohmann::ordered_json::array();
+  for (const topic::Health& device : status.devices) json["devices"].push_back(topic_json(device));
+  return json;
+}
 
-  [[nodiscard]] bool healthy() const {
-    if (!mode || devices.empty()) return false;
-    for (const topic::Health& device : devices) {
-      if (device.link != topic::LinkState::up) return false;
-    }
-    switch (mode->state) {
-      case topic::ModeState::off:
-      case topic::ModeState::fault:
-        return false;
-      case topic::ModeState::settled:
-        return mode->fault_code.empty();  // else it names what keeps the gateway from being ready
-      case topic::ModeState::ready:
-      case topic::ModeState::engaged:
-      case topic::ModeState::stopping:
-        break;
-    }
-    return true;
+}  // namespace
+
+bool Status::healthy() const {
+  if (!mode || devices.empty()) return false;
+  for (const topic::Health& device : devices) {
+    if (device.link != topic::LinkState::up) return false;
   }
-};
+  switch (mode->state) {
+    case topic::ModeState::off:
+    case topic::ModeState::fault:
+      return false;
+    case topic::ModeState::settled:
+      return mode->fault_code.empty();  // else it names what keeps the gateway from being ready
+    case topic::ModeState::ready:
+    case topic::ModeState::engaged:
+    case topic::ModeState::stopping:
+      break;
+  }
+  return true;
+}
 
-Status hear(Session& session, Nanoseconds timeout, const std::atomic<bool>& interrupted) {
+Status hear_status(const Connection& connection, const std::atomic<bool>& interrupted) {
+  Session session{connection};
   session.dds.in<topic::Mode>();
   session.dds.in<topic::Health>();
   const auto mode = session.local.reader<topic::Mode>();
@@ -46,7 +53,7 @@ Status hear(Session& session, Nanoseconds timeout, const std::atomic<bool>& inte
   session.dds.start();
 
   Status status;
-  LabTime end = session.clock.now() + timeout;
+  LabTime end = session.clock.now() + from_seconds(connection.timeout_s);
   bool complete = false;
   while (!interrupted && session.clock.now() < end) {
     session.wakeup->wait(kPoll);
@@ -63,22 +70,9 @@ Status hear(Session& session, Nanoseconds timeout, const std::atomic<bool>& inte
   return status;
 }
 
-nlohmann::ordered_json to_json(const Status& status) {
-  nlohmann::ordered_json json;
-  json["healthy"] = status.healthy();
-  json["mode"] = status.mode ? topic_json(*status.mode) : nullptr;
-  json["devices"] = nlohmann::ordered_json::array();
-  for (const topic::Health& device : status.devices) json["devices"].push_back(topic_json(device));
-  return json;
-}
-
-}  // namespace
-
 int run_status(const Connection& connection, bool json, const Terminal& terminal) {
-  Session session{connection};
-  const Status status = hear(session, from_seconds(connection.timeout_s), terminal.interrupted);
+  const Status status = hear_status(connection, terminal.interrupted);
   if (terminal.interrupted) return kExitInterrupted;
-  const bool nobody = !status.mode && status.devices.empty();
   if (json) {
     terminal.out << json_text(to_json(status));
   } else {
@@ -86,7 +80,7 @@ int run_status(const Connection& connection, bool json, const Terminal& terminal
     if (status.mode) terminal.out << "gateway    " << mode_line(*status.mode, paint) << "\n";
     for (const topic::Health& device : status.devices) terminal.out << device_line(device, paint) << "\n";
   }
-  if (nobody) {
+  if (status.nobody()) {
     terminal.err << nobody_answers(connection, connection.timeout_s) << "\n";
     return kExitNobody;
   }

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <string_view>
 
+#include "gateway/doctor/doctor_command.hpp"
 #include "gateway/monitor/command_line.hpp"
 
 namespace {
@@ -33,5 +34,6 @@ int main(int argc, char** argv) {
   const bool colour = isatty(STDOUT_FILENO) == 1 && !dumb && !said("NO_COLOR");
   const bool progress = isatty(STDERR_FILENO) == 1 && !dumb;
   return motionlab::monitor::run_command_line(argc, argv,
-                                              {std::cout, std::cerr, colour, interrupted, progress});
+                                              {std::cout, std::cerr, colour, interrupted, progress},
+                                              {motionlab::doctor::doctor_command()});
 }
