@@ -280,7 +280,7 @@ void add_reference(CLI::App& app, Chosen& chosen) {
       app.add_subcommand("reference", "where the load shall be; without a place: where it is");
   ReferenceCommand& reference = chosen.reference;
   command->add_option("place", chosen.place, "x y z of the load in metres, z up; negative numbers after --")
-      ->expected(0, 3)
+      ->expected(3)
       ->type_name("METRES");
   command->add_flag("--by", reference.by, "the place is relative to where the load is now");
   command
@@ -307,9 +307,6 @@ The gateway approaches it within its own limits.)");
     chosen.run = [&chosen](const Terminal& terminal) {
       ReferenceCommand& wanted = chosen.reference;
       wanted.json = chosen.json;
-      if (!chosen.place.empty() && chosen.place.size() != 3) {
-        throw StartupError{"a place is three numbers, x y z in metres; see motionlab reference --help"};
-      }
       if (!std::ranges::all_of(chosen.place, [](double x) { return std::isfinite(x); })) {
         throw StartupError{"a place is three finite numbers, x y z in metres"};
       }

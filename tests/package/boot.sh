@@ -78,7 +78,10 @@ listen = "192.168.90.150:48898"
 END
 echo 'OPTIONS="--scenario calm --overlay /etc/motionlab/lab-addresses.toml"' >"$root/etc/default/motionlab-sim"
 # lab.toml stays as it is but for the limits of freshness: a machine that runs tests stands still now and then.
-printf '[%s]\nstale_after_s = 1.0\n' mru1 mru2 qualisys comau winch >"$root/etc/motionlab/slow-machine.toml"
+{
+  printf '[%s]\nstale_after_s = 1.0\n' mru1 mru2 qualisys comau winch
+  printf '[deadman]\nheartbeat_s = 1.0\ncontrol_s = 1.0\n'
+} >"$root/etc/motionlab/slow-machine.toml"
 echo 'OPTIONS="--overlay /etc/motionlab/slow-machine.toml"' >"$root/etc/default/motionlab-gateway"
 
 # --- boot
@@ -115,7 +118,8 @@ status_has() { [[ $(property StatusText) == *"$1"* ]]; }
 # entries FIELD=VALUE…: of the journal, as JSON.
 entries() { in_container journalctl --no-pager -o json -u motionlab-gateway "$@"; }
 logged() { [[ -n $(entries "$@") ]]; }
-mode_is() { in_container motionlab --json status 2>/dev/null | grep -q "\"state\": \"$1\""; }
+# What is searched is heard to its end: who is cut off in the middle of a sentence fails.
+mode_is() { grep -q "\"state\": \"$1\"" <<<"$(in_container motionlab --json status 2>/dev/null)"; }
 engage() { in_container motionlab --timeout 30 engage --wait 60 >"$here/engage" 2>&1; }
 # seen_from_here PID: the number that a process of the container has out here.
 seen_from_here() {
@@ -141,8 +145,8 @@ eventually 90 is ActiveState active || fail "it does not become ready"
 eventually 60 status_has "up: mru1 mru2 qualisys arm winch" || fail "status: $(property StatusText)"
 ok "is ready when they are there"
 
-entries MOTIONLAB_CODE=ready | grep -q '"MOTIONLAB_SOURCE":"house"' || fail "no structured entry in the journal"
-entries MOTIONLAB_CODE=ready | grep -q '"PRIORITY":"6"' || fail "the entry has the wrong priority"
+grep -q '"MOTIONLAB_SOURCE":"house"' <<<"$(entries MOTIONLAB_CODE=ready)" || fail "no structured entry in the journal"
+grep -q '"PRIORITY":"6"' <<<"$(entries MOTIONLAB_CODE=ready)" || fail "the entry has the wrong priority"
 logged MOTIONLAB_SOURCE=mru1 MOTIONLAB_CODE=link_up || fail "no entry of mru1's link"
 ok "writes to the journal with fields"
 
@@ -167,7 +171,7 @@ in_container sed -i -e 's/^log_level = "info"/log_level = "warning"/' -e 's/^per
   /etc/motionlab/lab.toml
 in_container systemctl reload motionlab-gateway || fail "it cannot be reloaded"
 eventually 30 logged MOTIONLAB_CODE=reload_refused || fail "a key that takes a restart was not refused"
-entries MOTIONLAB_CODE=reload_refused | grep -q 'control. period_s stays' || fail "the refusal names no key"
+grep -q 'control. period_s stays' <<<"$(entries MOTIONLAB_CODE=reload_refused)" || fail "the refusal names no key"
 eventually 30 status_has "reload refused [control] period_s" || fail "status: $(property StatusText)"
 in_container sed -i 's/^log_level = "warning"/log_level = "loud"/' /etc/motionlab/lab.toml
 if in_container systemctl reload motionlab-gateway 2>/dev/null; then fail "a file with an error was accepted"; fi
@@ -186,8 +190,8 @@ again() { [[ $(property NRestarts) == $((restarts + 1)) ]] && is ActiveState act
 eventually 90 again || fail "a gateway with a hanging thread was not started again"
 kill $holder 2>/dev/null || true
 wait $holder 2>/dev/null || true
-in_container journalctl --no-pager -u motionlab-gateway | grep -q 'Watchdog timeout' || fail "it was not the watchdog"
-in_container journalctl --no-pager -u motionlab-gateway | grep -q 'the arm is at rest' || fail "the deadman was killed with it"
+grep -q 'Watchdog timeout' <<<"$(in_container journalctl --no-pager -u motionlab-gateway)" || fail "it was not the watchdog"
+grep -q 'the arm is at rest' <<<"$(in_container journalctl --no-pager -u motionlab-gateway)" || fail "the deadman was killed with it"
 eventually 60 status_has "ready: " || fail "it does not come back ready: $(property StatusText)"
 mode_is engaged && fail "it engaged by itself"
 ok "is killed by the watchdog when a thread hangs, and comes back settled"

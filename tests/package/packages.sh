@@ -71,7 +71,7 @@ cp "$sim" "$root/tmp/sim.deb"
 
 quietly inside dpkg -i /tmp/gateway.deb /tmp/sim.deb || fail "they do not install"
 inside motionlab-gateway --check >"$here/check" || fail "the installed gateway does not read the installed configuration"
-grep -q 'udp 192.168.90.42:50042' "$here/check" || fail "it read another file"
+grep -q 'from 192.168.90.42:50042 to' "$here/check" || fail "it read another file"
 for program in "motionlab-sim --help" "motionlab --help" "motionlab-study --list"; do
   # shellcheck disable=SC2086 # a program and its option
   quietly inside $program || fail "the installed $program does not run"
@@ -85,15 +85,15 @@ sed -i 's/^Version: .*/&+next/' "$here/next/DEBIAN/control"
 echo '# the next version of this file' >>"$here/next/etc/motionlab/lab.toml"
 (cd "$here/next" && find . -type f ! -path './DEBIAN/*' -printf '%P\0' | xargs -0 md5sum >DEBIAN/md5sums)
 dpkg-deb --root-owner-group -b "$here/next" "$root/tmp/next.deb" >/dev/null
-sed -i 's/^domain = 42 /domain = 43 /' "$root/etc/motionlab/lab.toml"
+sed -i 's/^domain = 42$/domain = 43/' "$root/etc/motionlab/lab.toml"
 quietly inside dpkg --force-confdef --force-confold -i /tmp/next.deb || fail "the next version does not install"
-inside motionlab-gateway --check | grep -q 'DDS domain 43' || fail "an edited lab.toml did not survive the upgrade"
+grep -q 'DDS domain 43' <<<"$(inside motionlab-gateway --check)" || fail "an edited lab.toml did not survive the upgrade"
 [[ -f $root/etc/motionlab/lab.toml.dpkg-dist ]] || fail "the new lab.toml is not laid beside the edited one"
 ok "keep an edited configuration when upgraded"
 
 quietly inside dpkg -r motionlab-sim motionlab-gateway || fail "they cannot be removed"
 [[ ! -e $root/usr/bin/motionlab-gateway && ! -e $root/usr/lib/systemd/system/motionlab.target ]] || fail "a removed file is there"
-grep -q '^domain = 43 ' "$root/etc/motionlab/lab.toml" || fail "removing took the edited configuration"
+grep -q '^domain = 43$' "$root/etc/motionlab/lab.toml" || fail "removing took the edited configuration"
 ok "leave the configuration when removed"
 
 echo 'OPTIONS=""' >"$root/etc/default/motionlab-gateway"

@@ -205,9 +205,15 @@ int echo(const char* domain) {
   for (const auto& topic : echoes) {
     std::fprintf(stderr, "%s did not come back unchanged\n", std::string{topic->name()}.c_str());
   }
-  const auto strange =
-      out.counters().incompatible_qos + in.counters().incompatible_qos + in.counters().refused();
-  return echoes.empty() && strange == 0 ? 0 : 3;
+  const auto incompatible = out.counters().incompatible_qos + in.counters().incompatible_qos;
+  const auto refused = in.counters().refused();
+  if (incompatible + refused > 0) {
+    std::fprintf(stderr,
+                 "on domain %s or the next: %" PRIu64 " of incompatible quality, %" PRIu64
+                 " samples refused\n",
+                 domain, std::uint64_t{incompatible}, std::uint64_t{refused});
+  }
+  return echoes.empty() && incompatible + refused == 0 ? 0 : 3;
 }
 
 int run(int argc, char** argv) {

@@ -544,6 +544,11 @@ TEST_F(CommandLine, TellsAReferenceAndSaysThatTheGatewayIsNotEngaged) {
   const Answer nobody = motionlab({"reference", "0.8", "0.3", "3.9", "--timeout", "0.2"});
   EXPECT_EQ(nobody.exit_code, 2);
   EXPECT_THAT(nobody.err, HasSubstr("nobody listens"));
+  const Answer behind_dashes =
+      bare({"motionlab", "--domain", std::to_string(own_domain()), "--interface", "127.0.0.1", "--timeout",
+            "0.2", "reference", "--", "-0.8", "-0.3", "3.9"});
+  EXPECT_EQ(behind_dashes.exit_code, 2);
+  EXPECT_THAT(behind_dashes.err, HasSubstr("nobody listens"));
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"reference", "1", "2"},
                                                 {"reference", "1", "2", "nan"},
                                                 {"reference", "--by"},
