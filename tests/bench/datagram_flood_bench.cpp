@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/core/random.hpp"
 #include "tests/bench/datagram_gun.hpp"
 #include "tests/bench/gateway_meter.hpp"
 #include "tests/integration/process_bench.hpp"
+#include "tests/support/garbage.hpp"
 
 namespace motionlab {
 
@@ -42,19 +42,6 @@ struct Options {
 constexpr int kThreads = 2;
 /// What the guard may pass while a load hangs still over a still ship: rad/s and m/s.
 constexpr double kStill = 0.03;
-
-/// Random bytes of random length; some begin as the device's own do.
-test::Datagrams garbage() {
-  Random random(11);
-  test::Datagrams all(997);
-  for (auto& datagram : all) {
-    datagram.resize(random.below(300));
-    for (auto& byte : datagram) byte = static_cast<std::uint8_t>(random.bits());
-    if (datagram.size() > 1 && random.chance(0.2)) datagram[0] = 'q';  // an MRU's header
-    if (datagram.size() == 52) datagram[0] = 32;                       // a robot computer's key
-  }
-  return all;
-}
 
 /// Datagrams that the kernel dropped because nobody took the older ones from the port in time.
 std::uint64_t kernel_drops(std::uint16_t port) {
@@ -141,7 +128,7 @@ class DatagramFlood : public integration::Processes {
     const auto refused_before = rejected(meter, device), dropped_before = kernel_drops(port);
     test::Stretch seen;
     {
-      const test::DatagramGun gun("127.0.0.1", {port}, garbage(), options.rate, kThreads);
+      const test::DatagramGun gun("127.0.0.1", {port}, test::garbage(), options.rate, kThreads);
       const auto begin = std::chrono::steady_clock::now();
       seen = meter.look_on(stretch);
       shots.lasted_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

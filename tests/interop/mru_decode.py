@@ -219,7 +219,7 @@ def expected(truth):
 def tolerance(name, quantity):
     """Half of the last digit, and a little for rounding."""
     if name in ("mrubin", "km_binary", "nmeap"):
-        return 1e-4 if quantity == "heading" else 2e-5
+        return 1e-4 if quantity == "heading" else 3e-5
     if quantity == "a_down":
         return 0.0004
     return 0.0051
