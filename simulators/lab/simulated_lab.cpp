@@ -14,6 +14,9 @@ namespace motionlab::lab {
 
 namespace {
 
+/// Not a fault, but the end of all.
+constexpr std::string_view kOk = "ok";
+
 template <class Vector>
 std::array<double, 3> array3(const Vector& v) {
   return {v.x(), v.y(), v.z()};
