@@ -7,13 +7,6 @@
 namespace motionlab::comau {
 namespace {
 
-DeviceClock::Config clock_config(const DriverConfig& config) {
-  DeviceClock::Config clock;
-  clock.latency = from_seconds(config.latency_s);
-  clock.drift_ppm_max = config.drift_ppm_max;
-  return clock;
-}
-
 bool all_finite(const Joints& values) noexcept {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
@@ -50,7 +43,7 @@ ComauDriver::ComauDriver(DriverConfig config, DatagramOut& out, Sink<topic::ArmS
       on_state_(std::move(on_state)),
       on_sent_(std::move(on_sent)),
       shaper_(shaper_config(config_)),
-      clock_(clock_config(config_)),
+      clock_({.latency = from_seconds(config_.latency_s), .drift_ppm_max = config_.drift_ppm_max}),
       frames_(std::llround(config_.restart_gap_s / kCycleSeconds)),
       response_({.ignored_after_s = config_.ignored_after_s}) {
   state_.device = config_.device;

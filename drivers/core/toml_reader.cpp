@@ -305,7 +305,7 @@ std::string TomlTable::text_or(std::string_view key, std::string_view fallback) 
   return has(key) ? text(key) : std::string(fallback);
 }
 
-std::size_t TomlTable::choice(std::string_view key, std::initializer_list<std::string_view> words) const {
+std::size_t TomlTable::choice(std::string_view key, std::span<const std::string_view> words) const {
   std::string list;
   for (const auto word : words) list += (list.empty() ? "" : " or ") + in_quotes(word);
   const std::string written = to_string_value(require(*node_, key, list), *node_, key);
@@ -318,7 +318,7 @@ std::size_t TomlTable::choice(std::string_view key, std::initializer_list<std::s
 }
 
 std::size_t TomlTable::choice_or(std::string_view key, std::size_t fallback,
-                                 std::initializer_list<std::string_view> words) const {
+                                 std::span<const std::string_view> words) const {
   return has(key) ? choice(key, words) : fallback;
 }
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,9 +58,17 @@ class TomlTable {
   [[nodiscard]] std::string text_or(std::string_view key, std::string_view fallback) const;
 
   /// One of a few words. @returns its index among them
-  [[nodiscard]] std::size_t choice(std::string_view key, std::initializer_list<std::string_view> words) const;
+  [[nodiscard]] std::size_t choice(std::string_view key, std::span<const std::string_view> words) const;
+  [[nodiscard]] std::size_t choice(std::string_view key,
+                                   std::initializer_list<std::string_view> words) const {
+    return choice(key, std::span{words.begin(), words.size()});
+  }
   [[nodiscard]] std::size_t choice_or(std::string_view key, std::size_t fallback,
-                                      std::initializer_list<std::string_view> words) const;
+                                      std::span<const std::string_view> words) const;
+  [[nodiscard]] std::size_t choice_or(std::string_view key, std::size_t fallback,
+                                      std::initializer_list<std::string_view> words) const {
+    return choice_or(key, fallback, std::span{words.begin(), words.size()});
+  }
 
   /// "192.168.90.13:50013"
   [[nodiscard]] Endpoint endpoint(std::string_view key) const;

@@ -9,13 +9,6 @@
 namespace motionlab::mru {
 namespace {
 
-DeviceClock::Config clock_config(const DriverConfig& config) {
-  DeviceClock::Config clock;
-  clock.latency = from_seconds(config.latency_s);
-  clock.drift_ppm_max = config.drift_ppm_max;
-  return clock;
-}
-
 /// Coarse whole numbers stand still on a platform at rest; only floating-point ones show the sensor's noise.
 bool shows_noise(Format format) noexcept {
   return format == Format::mrubin || format == Format::km_binary;
@@ -29,7 +22,7 @@ MruDriver::MruDriver(DriverConfig config, Sink<topic::Mru> sink)
       decoder_(config_.format, config_.layout),
       judge_(config_.checksum),
       stillness_(shows_noise(config_.format) ? from_seconds(config_.stuck_after_s) : 0s),
-      clock_(clock_config(config_)),
+      clock_({.latency = from_seconds(config_.latency_s), .drift_ppm_max = config_.drift_ppm_max}),
       unit_time_ms_(std::llround(config_.restart_gap_s * 1e3)) {
   sample_.device = config_.device;
   health_.phase(LinkPhase::connecting);

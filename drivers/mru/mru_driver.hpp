@@ -24,10 +24,10 @@ struct DriverConfig {
   std::uint32_t source_address =
       0;  ///< host byte order, 0: any. The unit's source port is not known: not checked
   Format format = Format::mrubin;
-  Layout layout{};                ///< variables and token of MRUBIN; its limits hold for every format
-  double period_s = 0.005;        ///< interval set in the unit; only for counting what was lost
-  double latency_s = 0.005;       ///< from measurement to arrival, constant part: no clock filter can see it
-  double restart_gap_s = 1.0;     ///< the unit's time jumps by more than this: the unit was restarted
+  Layout layout{};             ///< variables and token of MRUBIN and NMEAP; its limits hold for every format
+  double period_s = 0.005;     ///< interval set in the unit; only for counting what was lost
+  double latency_s = 0.005;    ///< from measurement to arrival, constant part: no clock filter can see it
+  double restart_gap_s = 1.0;  ///< the unit's time jumps by more than this: the unit was restarted
   double silent_after_s = 0.100;  ///< without a good datagram for this long the link is down
   /// Values that stay the same to the last bit for so long are not measured any more: the sample is told as
   /// not stable. 0: never. Only for formats that send measurements as floating-point numbers with noise.

@@ -3,7 +3,6 @@
 #include <cmath>
 
 namespace motionlab::mru {
-namespace {
 
 Status check_plausible(const VariableFacts& facts, double value, const PlausibilityLimits& limits) noexcept {
   if (!std::isfinite(value)) {
@@ -35,8 +34,6 @@ Status check_plausible(const VariableFacts& facts, double value, const Plausibil
   }
   return Done{};
 }
-
-}  // namespace
 
 std::uint8_t checksum(ChecksumRule rule, Bytes token_and_data) noexcept {
   std::uint32_t sum = 0;

@@ -29,13 +29,18 @@ struct PlausibilityLimits {
   double rate_radps = 10.0;                                              ///< of each rate of turn
 };
 
+/// Whether a variable can have this value. @returns bad_value with a text that names the quantity
+[[nodiscard]] Status check_plausible(const VariableFacts& facts, double value,
+                                     const PlausibilityLimits& limits) noexcept;
+
 /// What one port expects.
 struct Layout {
   VariableList variables = VariableList::laboratory();
   std::uint8_t token = 11;  ///< chosen by the user of the unit; laboratory: 11 on EM8000, 12 on EM1500
   PlausibilityLimits limits{};
+  bool text_in_degrees = false;  ///< of NMEAP, the same list as text: what the unit is set to
 
-  /// Bytes of a whole datagram; 100 for the laboratory's list.
+  /// Bytes of a whole datagram of MRUBIN; 100 for the laboratory's list.
   [[nodiscard]] std::size_t datagram_size() const noexcept { return kOverhead + 4 * variables.size(); }
 };
 

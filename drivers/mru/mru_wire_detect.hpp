@@ -33,9 +33,9 @@ class FormatDetector {
   }
   /// Bytes of the newest datagram.
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  /// Of MRUBIN: the token of the newest datagram that looked like it; nothing before.
+  /// Of MRUBIN and NMEAP: the token of the newest datagram that looked like it; nothing before.
   [[nodiscard]] std::optional<std::uint8_t> token() const noexcept { return token_; }
-  /// Of MRUBIN: how many variables that datagram has.
+  /// How many variables that datagram has.
   [[nodiscard]] std::size_t variables() const noexcept { return variables_; }
 
  private:

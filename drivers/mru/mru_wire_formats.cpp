@@ -5,6 +5,7 @@
 #include "drivers/mru/mru_wire_bin23.hpp"
 #include "drivers/mru/mru_wire_em3000.hpp"
 #include "drivers/mru/mru_wire_km.hpp"
+#include "drivers/mru/mru_wire_nmeap.hpp"
 #include "drivers/mru/mru_wire_tss1.hpp"
 
 namespace motionlab::mru {
@@ -36,6 +37,13 @@ Result<Telegram> decode_mrubin(Bytes datagram, const Layout& layout) noexcept {
   return Telegram{motion_of(*frame, layout), {Check::Rule::unsettled, true, frame->checksum_match}};
 }
 
+Result<Telegram> decode_nmeap(Bytes datagram, const Layout& layout) noexcept {
+  const Result<nmeap::Sentence> sentence = nmeap::decode(as_text(datagram), layout);
+  if (!sentence) return sentence.fault();
+  const bool good = sentence->checksum == sentence::Checksum::good;
+  return Telegram{motion_of(sentence->frame, layout), {Check::Rule::known, good, {}}};
+}
+
 Result<Telegram> decode_em3000(Bytes datagram, Format format) noexcept {
   const Result<em3000::Frame> frame = em3000::decode(datagram);
   if (!frame) return frame.fault();
@@ -60,8 +68,8 @@ Result<Telegram> as_telegram(const Result<F>& frame) noexcept {
   return Telegram{motion_of(*frame), {}};
 }
 
-Result<Bytes> encode_mrubin(const Motion& motion, const Layout& layout, ChecksumRule rule, Nanoseconds t_unit,
-                            MutableBytes to) noexcept {
+/// The values of a motion in the order of the list.
+Frame frame_of(const Motion& motion, const Layout& layout, Nanoseconds t_unit) noexcept {
   Frame frame;
   frame.stable = motion.stable;
   frame.size = layout.variables.size();
@@ -70,7 +78,7 @@ Result<Bytes> encode_mrubin(const Motion& motion, const Layout& layout, Checksum
   };
   set(Variable::system_time, static_cast<double>(UnitTime::of(t_unit).ms));
   for_each_variable(motion, set);
-  return encode(frame, layout, rule, to);
+  return frame;
 }
 
 Result<Bytes> encode_psxn(const Motion& motion, MutableBytes to) noexcept {
@@ -117,9 +125,11 @@ Result<std::optional<Telegram>> Decoder::decode(Bytes datagram) noexcept {
     return std::optional{*telegram};
   };
   switch (format_) {
-    case Format::mrubin: {
-      // Its decoder knows each variable's own limit; a list may lack the attitude.
-      const Result<Telegram> telegram = decode_mrubin(datagram, layout_);
+    case Format::mrubin:
+    case Format::nmeap: {
+      // Their decoders know each variable's own limit; a list may lack the attitude.
+      const Result<Telegram> telegram =
+          format_ == Format::mrubin ? decode_mrubin(datagram, layout_) : decode_nmeap(datagram, layout_);
       if (!telegram) return telegram.fault();
       return std::optional{*telegram};
     }
@@ -155,7 +165,9 @@ Result<Bytes> encode(const Motion& motion, Format format, const Layout& layout, 
                      Nanoseconds t_unit, MutableBytes to) noexcept {
   switch (format) {
     case Format::mrubin:
-      return encode_mrubin(motion, layout, rule, t_unit, to);
+      return encode(frame_of(motion, layout, t_unit), layout, rule, to);
+    case Format::nmeap:
+      return nmeap::encode(frame_of(motion, layout, t_unit), layout, to);
     case Format::km_binary:
       return km::encode(km::frame_of(motion, t_unit), to);
     case Format::em3000:

@@ -13,7 +13,7 @@ namespace motionlab::mru {
 /// Reads the datagrams of one port, whose format is known by configuration.
 class Decoder {
  public:
-  /// @param layout  token and variables of MRUBIN; its limits hold for every format
+  /// @param layout  token and variables of MRUBIN and NMEAP; its limits hold for every format
   Decoder(Format format, const Layout& layout) noexcept;
 
   /// @returns what the datagram says; nothing for one that is right but carries no attitude (a sentence
@@ -27,12 +27,15 @@ class Decoder {
   nmea::Listener listener_;
 };
 
+/// Room for a datagram in any of the formats.
+inline constexpr std::size_t kRoomForAny = 1024;
+
 /// The values of an MRUBIN frame as a motion. Variables that the layout lacks are NaN.
 [[nodiscard]] Motion motion_of(const Frame& frame, const Layout& layout) noexcept;
 
 /// Writes one datagram. PSXN is three sentences in one datagram: quality, rates, attitude. NaN is sent as the
 /// format can: as such, as a count out of range, or as an empty field.
-/// @param t_unit  the unit's clock: since power-on for MRUBIN, since 1970 for the formats with UTC
+/// @param t_unit  the unit's clock: since power-on for MRUBIN and NMEAP, since 1970 for the formats with UTC
 /// @param rule    of MRUBIN's checksum
 /// @returns the bytes written, or too_short when `to` has no room
 [[nodiscard]] Result<Bytes> encode(const Motion& motion, Format format, const Layout& layout,

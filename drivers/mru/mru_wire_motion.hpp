@@ -27,14 +27,19 @@ enum class Format : std::uint8_t {
   psxn,       ///< `$PSXN,20` to `,24`
   prdid,      ///< `$PRDID`: attitude alone
   bin23,      ///< Seapath binary 23
+  nmeap,      ///< `$PSXN,10` and `,11`: any list of variables, as text
 };
 
-inline constexpr std::array kFormatNames{std::string_view{"mrubin"}, std::string_view{"km_binary"},
-                                         std::string_view{"em3000"}, std::string_view{"em1000"},
-                                         std::string_view{"tss1"},   std::string_view{"psxn"},
-                                         std::string_view{"prdid"},  std::string_view{"bin23"}};
-inline constexpr std::array kFormats{Format::mrubin, Format::km_binary, Format::em3000, Format::em1000,
-                                     Format::tss1,   Format::psxn,      Format::prdid,  Format::bin23};
+inline constexpr std::array<std::string_view, 9> kFormatNames{
+    "mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23", "nmeap"};
+inline constexpr std::array kFormats{Format::mrubin, Format::km_binary, Format::em3000,
+                                     Format::em1000, Format::tss1,      Format::psxn,
+                                     Format::prdid,  Format::bin23,     Format::nmeap};
+
+/// Whether the user of the unit has chosen a token and a list of variables.
+[[nodiscard]] constexpr bool has_list(Format format) noexcept {
+  return format == Format::mrubin || format == Format::nmeap;
+}
 
 [[nodiscard]] constexpr std::string_view to_string(Format format) noexcept {
   return kFormatNames[static_cast<std::size_t>(format)];

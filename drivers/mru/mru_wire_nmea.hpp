@@ -1,5 +1,4 @@
-/// @file  The sentences `$PSXN,20` to `,24` and `$PRDID`: text, `*hh` is the XOR of what lies between `$` and
-/// `*`, CR LF at the end. Degrees, heave + down, no time.
+/// @file  The sentences `$PSXN,20` to `,24` and `$PRDID`. Degrees, heave + down, no time.
 ///
 /// Sources: Seapath 320 manual p. 95 (PSXN, with examples); the layout of PRDID is Teledyne RD Instruments'.
 #pragma once
@@ -13,6 +12,7 @@
 #include "drivers/core/bytes.hpp"
 #include "drivers/core/result.hpp"
 #include "drivers/mru/mru_wire_motion.hpp"
+#include "drivers/mru/mru_wire_sentence.hpp"
 
 namespace motionlab::mru::nmea {
 
@@ -35,7 +35,7 @@ enum class Kind : std::uint8_t {
   return counts[static_cast<std::size_t>(kind)];
 }
 
-enum class Checksum : std::uint8_t { absent, good, bad };
+using sentence::Checksum;
 
 /// One sentence in the wire's units. An empty field is NaN.
 struct Sentence {
@@ -44,8 +44,7 @@ struct Sentence {
   std::array<double, 4> values{kNotTold, kNotTold, kNotTold, kNotTold};
 };
 
-/// Reads one sentence, terminator included. One hexadecimal digit is enough for a checksum below 16: some
-/// units drop the leading zero.
+/// Reads one sentence, terminator included.
 /// Faults: too_short (no CR LF), too_long, bad_header (no `$`, wrong number of fields), bad_value (a field
 /// that is no number). Never throws or allocates.
 [[nodiscard]] Result<Sentence> decode(std::string_view text) noexcept;

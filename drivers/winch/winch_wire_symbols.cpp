@@ -2,22 +2,13 @@
 
 #include <algorithm>
 
+#include "drivers/winch/winch_wire_text.hpp"
+
 namespace motionlab::winch {
 
 namespace {
 
 constexpr std::size_t kEntryFixedSize = 30;
-
-void write_text(LittleWriter& writer, std::string_view text) noexcept {
-  writer.write_bytes(as_bytes(text));
-  writer.write(std::uint8_t{0});
-}
-
-std::string_view read_text(LittleReader& reader, std::size_t length) noexcept {
-  const auto text = as_text(reader.take(length));
-  reader.skip(1);
-  return text;
-}
 
 std::uint16_t length_of(std::string_view text) noexcept {
   return static_cast<std::uint16_t>(text.size());

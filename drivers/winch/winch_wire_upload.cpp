@@ -1,5 +1,7 @@
 #include "drivers/winch/winch_wire_upload.hpp"
 
+#include "drivers/winch/winch_wire_text.hpp"
+
 namespace motionlab::winch {
 
 namespace {
@@ -11,17 +13,6 @@ constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kInfoShort = 8;
 constexpr std::size_t kInfoSize = 24;
 constexpr std::size_t kInfoLong = 64;
-
-void write_text(LittleWriter& writer, std::string_view text) noexcept {
-  writer.write_bytes(as_bytes(text));
-  writer.write(std::uint8_t{0});
-}
-
-std::string_view read_text(LittleReader& reader, std::size_t length) noexcept {
-  const auto text = as_text(reader.take(length));
-  reader.skip(1);
-  return text;
-}
 
 std::size_t own_size(const DataTypeEntry& entry) noexcept {
   return kFixedSize + entry.name.size() + entry.type.size() + entry.comment.size() + 3 +

@@ -66,9 +66,11 @@ nlohmann::ordered_json to_json(const MruStream& stream) {
   json["rate_hz"] = stream.rate_hz();
   json["from"] = nullptr;
   if (stream.from()) json["from"] = to_string(*stream.from());
-  if (format == mru::Format::mrubin) {
+  if (format && mru::has_list(*format)) {
     json["token"] = *seen.token();
     json["variables"] = seen.variables();
+  }
+  if (format == mru::Format::mrubin) {
     json["checksum_sum8"] = stream.checksums().sum8;
     json["checksum_ones_complement"] = stream.checksums().ones_complement;
   }
@@ -87,7 +89,7 @@ nlohmann::ordered_json to_json(const MruStream& stream) {
 void print(const MruStream& stream, mru::Format format, std::ostream& out) {
   const mru::FormatDetector& seen = stream.detector();
   out << "format    " << mru::to_string(format) << ", " << seen.size() << " bytes";
-  if (format == mru::Format::mrubin) {
+  if (mru::has_list(format)) {
     out << ", token " << int{*seen.token()} << ", " << seen.variables() << " variables";
   }
   out << "\nstream    " << seen.datagrams() << " datagrams, " << fixed(stream.rate_hz(), 1) << " Hz, from "
@@ -108,9 +110,9 @@ std::string trouble(const MruStream& stream) {
            " bytes, but of no known format, or too few of one: listen longer (--seconds)";
   }
   if (stream.fault()) {
-    const bool another_list = seen.format() == mru::Format::mrubin;
     return std::string{stream.fault()->text} +
-           (another_list ? "; tell the unit's list of variables with --variables, by number" : "");
+           (mru::has_list(*seen.format()) ? "; tell the unit's list of variables with --variables, by number"
+                                          : "");
   }
   return "no attitude has come";
 }

@@ -18,7 +18,7 @@ namespace motionlab::monitor {
 struct CheckMruCommand {
   std::uint16_t port = 0;                ///< UDP, on all addresses of this host
   double seconds = 2;                    ///< how long to listen
-  std::vector<std::uint16_t> variables;  ///< of MRUBIN, by number; empty: the laboratory's 24
+  std::vector<std::uint16_t> variables;  ///< of MRUBIN or NMEAP, by number; empty: the laboratory's 24
   bool json = false;
 };
 

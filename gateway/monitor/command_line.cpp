@@ -156,7 +156,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
   command->add_option("--seconds", mru.seconds, "how long to listen (2)")->check(CLI::Range(0.1, 3600.0));
   command
       ->add_option("--variables", mru.variables,
-                   "list of an mrubin unit, by number, with commas (the laboratory's)")
+                   "list of an mrubin or nmeap unit, by number, with commas (the laboratory's)")
       ->delimiter(',');
   command->footer(R"(
 Example:

@@ -20,6 +20,8 @@ constexpr double kSpeedWithoutWatchdog = 0.1;
 constexpr Range kPeriod{.low = 0.0002, .high = 1.0};
 constexpr Range kLatency{.low = 0.0, .high = 0.5};
 constexpr Range kFreshness{.low = 0.005, .high = 2.0};
+/// Measurements carry noise. As many in a row that are the same to the last bit are none, at any rate.
+constexpr double kStuckAfterPeriods = 5.0;
 
 template <std::size_t N>
 std::array<double, N> scaled(std::array<double, N> values, double by) {
@@ -68,16 +70,26 @@ mru::VariableList variable_list(const TomlTable& t) {
   return *list;
 }
 
+/// Beyond these a datagram is refused; by default what no ship does.
+mru::PlausibilityLimits plausibility(const TomlTable& t) {
+  mru::PlausibilityLimits limits;
+  if (t.has("tilt_max_deg")) limits.tilt_rad = kDegree * t.number("tilt_max_deg", {1.0, 90.0});
+  limits.heave_m = t.number_or("heave_max_m", limits.heave_m, {0.1, 100.0});
+  limits.rate_radps = t.number_or("rate_max_radps", limits.rate_radps, {0.1, 100.0});
+  return limits;
+}
+
 MruLink mru_link(const TomlTable& root, const std::string& name) {
   const TomlTable t = root.table(name);
   MruLink link;
   link.listen = t.endpoint("listen");
   link.driver.device = name;
   link.driver.source_address = parsed(t, "source", Endpoint::parse_address);
-  link.driver.format = mru::kFormats[t.choice_or(
-      "format", 0, {"mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23"})];
+  link.driver.format = mru::kFormats[t.choice_or("format", 0, mru::kFormatNames)];
   link.driver.layout.token = static_cast<std::uint8_t>(t.integer("token", {0, 255}));
   link.driver.layout.variables = variable_list(t);
+  link.driver.layout.limits = plausibility(t);
+  link.driver.layout.text_in_degrees = t.choice_or("text_angles", 0, {"rad", "deg"}) == 1;
   link.driver.period_s = t.number("period_s", kPeriod);
   link.driver.latency_s = t.number("latency_s", kLatency);
   constexpr std::array policies{mru::ChecksumPolicy::ignore, mru::ChecksumPolicy::count,
@@ -86,7 +98,8 @@ MruLink mru_link(const TomlTable& root, const std::string& name) {
   constexpr std::array rules{std::optional<mru::ChecksumRule>{}, std::optional{mru::ChecksumRule::sum8},
                              std::optional{mru::ChecksumRule::ones_complement}};
   link.driver.checksum.rule = rules[t.choice_or("checksum_rule", 0, {"auto", "sum8", "ones_complement"})];
-  link.driver.stuck_after_s = t.number_or("stuck_after_s", 0.0, {0.0, 60.0});
+  link.driver.stuck_after_s =
+      t.number_or("stuck_after_s", kStuckAfterPeriods * link.driver.period_s, {0.0, 60.0});
   link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
   return link;
 }

@@ -7,7 +7,6 @@
 namespace motionlab::lab {
 
 Status Gust::set(std::string_view fault, bool active, double value) {
-  constexpr std::string_view kName = "gust";
   const Fault refused{Reason::refused, "the world knows gust and gust:DEGREES, the value is its force in N"};
   double degrees = 0;
   if (!fault.starts_with(kName)) return refused;

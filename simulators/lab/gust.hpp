@@ -11,6 +11,7 @@ namespace motionlab::lab {
 /// A steady horizontal force on the load's centre while it is active.
 class Gust {
  public:
+  static constexpr std::string_view kName = "gust";
   static constexpr double kDefault_n = 50.0;
 
   /// `gust` pushes along x of world, `gust:DEGREES` so far turned from it towards y. The value is the force

@@ -185,13 +185,15 @@ void read_mru_device(const TomlTable& t, LabConfig::Mru& c) {
   c.from = t.endpoint_or("from", c.from);
   c.device.to = t.endpoint_or("to", c.device.to);
   c.device.layout.token = static_cast<std::uint8_t>(t.integer_or("token", c.device.layout.token, {0, 255}));
-  c.device.format = mru::kFormats[t.choice_or(
-      "format", static_cast<std::size_t>(c.device.format),
-      {"mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23"})];
+  c.device.format =
+      mru::kFormats[t.choice_or("format", static_cast<std::size_t>(c.device.format), mru::kFormatNames)];
   if (t.has("variables")) c.device.layout.variables = read_variables(t);
+  c.device.layout.text_in_degrees = t.choice_or("text_angles", 0, {"rad", "deg"}) == 1;
   constexpr std::array kRules{mru::ChecksumRule::sum8, mru::ChecksumRule::ones_complement};
   const std::size_t now = c.device.checksum_rule == kRules[0] ? 0 : 1;
   c.device.checksum_rule = kRules[t.choice_or("checksum", now, {"sum8", "ones_complement"})];
+  c.device.system_time_start_ms = static_cast<std::uint32_t>(
+      t.integer_or("system_time_start_ms", c.device.system_time_start_ms, {0, 4294967295}));
   read_number(t, "output_jitter_s", c.device.output_jitter_s, {0, 1});
   read_number(t, "settling_s", c.device.settling_s, Range::at_least(0));
   read_number(t, "clock_drift_ppm", c.device.clock_drift_ppm, {-1000, 1000});
@@ -209,6 +211,7 @@ void read_pendant(const TomlTable& t, comau::Pendant::Config& c) {
 void read_arm_device(const TomlTable& t, LabConfig& c) {
   c.arm_listen = t.endpoint_or("listen", c.arm_listen);
   c.arm.hardened = t.boolean_or("hardened", c.arm.hardened);
+  c.arm.peer = t.endpoint_or("peer", c.arm.peer);
   read_joints(t, "q_min_deg", c.arm.q_min_rad, kDegree);
   read_joints(t, "q_max_deg", c.arm.q_max_rad, kDegree);
   read_joints(t, "speed_max_degps", c.arm.qd_max_radps, kDegree, Range::positive());
@@ -272,6 +275,7 @@ LabConfig::LabConfig() {
   qualisys_listen = Endpoint::parse("127.0.0.1:22223");
   arm_listen = Endpoint::parse("127.0.0.1:50032");
   arm.hardened = true;
+  arm.peer = Endpoint::parse("127.0.0.1:0");
   arm.pendant = {.driving_on_s = 1.0, .start_after_s = 0.3, .driving_off_s = 1.0};
   winch_listen = Endpoint::parse("127.0.0.1:48898");
 }

@@ -14,6 +14,9 @@ namespace motionlab::lab {
 
 namespace {
 
+/// Not a fault, but the end of all.
+constexpr std::string_view kOk = "ok";
+
 template <class Vector>
 std::array<double, 3> array3(const Vector& v) {
   return {v.x(), v.y(), v.z()};
@@ -199,7 +202,8 @@ struct SimulatedLab::Impl {
     if (faults::WireFaults::knows(fault)) return wire.set_fault(fault, active, value);
     const Status done = device.set_fault(fault, active, value);
     if (done) return done;
-    refusal = std::string(done.fault().text) + "; its wire: " + std::string(faults::WireFaults::kNames);
+    refusal = std::string(done.fault().text) + "; its wire: " + std::string(faults::WireFaults::kNames) +
+              "; and ok ends them all";
     return Fault{done.fault().reason, refusal};
   }
 
@@ -303,6 +307,13 @@ topic::TruthWorld SimulatedLab::truth() {
 }
 
 Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, bool active, double value) {
+  if (const auto names = fault_names(device); fault == kOk && !names.empty()) {
+    // Ending what never began changes nothing, and what the device cannot have it need not end.
+    for (const std::string& name : names) {
+      if (active) (void)set_fault(device, name, false);
+    }
+    return Done{};
+  }
   if (device == kMru1) return impl_->set_fault(impl_->mru1_wire, impl_->mru1, fault, active, value);
   if (device == kMru2) return impl_->set_fault(impl_->mru2_wire, impl_->mru2, fault, active, value);
   if (device == kQualisys)
@@ -327,6 +338,8 @@ std::vector<std::string> SimulatedLab::fault_names(std::string_view device) cons
     names = comau::ComauDevice::fault_names();
   } else if (device == kWinch) {
     names = winch::WinchDevice::fault_names();
+  } else if (device == kWorld) {
+    return {std::string(Gust::kName)};
   } else {
     return {};
   }

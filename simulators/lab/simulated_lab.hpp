@@ -43,7 +43,8 @@ class SimulatedLab {
   [[nodiscard]] const plant::World& world() const;
 
   /// Begins or ends a fault of the wire (faults::WireFaults) or else of the device itself (`mru1`, `mru2`,
-  /// `qualisys`, `arm`, `winch`), by its name; or of the `world` (see Gust).
+  /// `qualisys`, `arm`, `winch`), by its name; or of the `world` (see Gust). `ok`, begun, ends all that a
+  /// device and its wire have.
   /// @returns refused, with the names that there are; the text lives until the next call
   Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
 

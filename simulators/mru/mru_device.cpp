@@ -15,7 +15,7 @@ constexpr std::string_view kUnknownFault =
 constexpr std::size_t kAfterChecksumOfText = 2;
 
 bool is_text(Format format) {
-  return format == Format::psxn || format == Format::prdid;
+  return format == Format::psxn || format == Format::prdid || format == Format::nmeap;
 }
 
 bool has_utc(Format format) {
@@ -142,14 +142,13 @@ std::optional<LabTime> MruDevice::next_send() const noexcept {
 
 bool MruDevice::can_have(std::string_view fault) const noexcept {
   const Format format = config_.format;
-  if (fault == "wrong_token") return format == Format::mrubin;
+  if (fault == "wrong_token") return has_list(format);
   if (fault == "unstable") return format != Format::em1000 && format != Format::prdid;
   if (fault == "reduced") {
     return has_utc(format) || format == Format::em3000 || format == Format::psxn;
   }
   if (fault == "freeze_time") {
-    return has_utc(format) ||
-           (format == Format::mrubin && config_.layout.variables.index_of(Variable::system_time));
+    return has_utc(format) || (has_list(format) && config_.layout.variables.index_of(Variable::system_time));
   }
   if (fault == "bad_checksum") {
     return format == Format::mrubin || format == Format::bin23 || is_text(format);

@@ -36,7 +36,7 @@ struct Reading {
 struct DeviceConfig {
   Endpoint to{};  ///< where the datagrams go
   Format format = Format::mrubin;
-  Layout layout{};  ///< variables and token of MRUBIN; its limits are not used
+  Layout layout{};  ///< variables and token of MRUBIN and NMEAP; its limits are not used
   ChecksumRule checksum_rule = ChecksumRule::ones_complement;  ///< of MRUBIN
   double output_latency_s =
       0.005;                     ///< from measurement to departure (assumption; not published by the maker)
@@ -51,8 +51,8 @@ struct DeviceConfig {
 /// A simulated unit. `measure` is called whenever the world has sampled a reading, `step` about every
 /// millisecond.
 ///
-/// The unit's own clock drifts. SystemTime (MRUBIN) is the time since the first measurement on it, cut to
-/// whole milliseconds and sent modulo 2^32; the formats with UTC begin at laboratory time. Nothing leaves
+/// The unit's own clock drifts. SystemTime (MRUBIN, NMEAP) is the time since the first measurement on it, cut
+/// to whole milliseconds and sent modulo 2^32; the formats with UTC begin at laboratory time. Nothing leaves
 /// before the first measurement.
 class MruDevice {
  public:
@@ -92,7 +92,7 @@ class MruDevice {
   struct Waiting {
     LabTime t_due{};
     std::size_t size = 0;
-    std::array<std::uint8_t, kMaxDatagram + kMaxExtraBytes> bytes{};
+    std::array<std::uint8_t, kRoomForAny + kMaxExtraBytes> bytes{};
   };
 
   [[nodiscard]] Motion motion_of(const Reading& reading, LabTime t_measured);

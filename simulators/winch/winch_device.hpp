@@ -67,12 +67,6 @@ class WinchDevice : public ServerEvents {
   /// Frames and requests that were not understood.
   [[nodiscard]] std::uint64_t malformed() const noexcept { return malformed_; }
 
-  /// The names of its own faults, behind the common ones (see CommonFaults).
-  static constexpr std::string_view kOwnFaults =
-      "silent drop_route stop_plc online_change frozen_cycle drive_fault watchdog_trip router_error "
-      "ads_error "
-      "other_layout close_mid_frame outlier_100ms";
-
   /// Injects or removes a fault. The common ones: `off` also closes the brake and, when it ends, boots the
   /// controller, which knows no handle, no notification and no connection then; `slow` spreads notifications;
   /// `wrong` and `stuck` are of the sensors, the drive itself moves as before. Its own:

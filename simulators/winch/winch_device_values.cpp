@@ -57,6 +57,8 @@ WinchDevice::Place WinchDevice::place(const AmsAddress& server, std::uint32_t gr
   switch (group) {
     case index_group::value_by_handle:
       return place_by_handle(offset);
+    case index_group::plc_memory:  // the projects have no variables there
+      return {ads_error::invalid_index_offset};
     case index_group::plc_data: {
       const auto bytes = data_area(offset);
       if (bytes.empty()) return {ads_error::invalid_index_offset};

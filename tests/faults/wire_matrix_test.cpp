@@ -66,7 +66,6 @@ class Bench {
     config.set_scenario("calm");
     config.use_perfect_sensors();
     config.use_belief_as_world();
-    config.arm.peer = Endpoint::parse("127.0.0.1:50042");
     return config;
   }
 

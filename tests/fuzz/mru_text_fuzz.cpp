@@ -10,6 +10,7 @@
 #include "drivers/mru/mru_wire_detect.hpp"
 #include "drivers/mru/mru_wire_formats.hpp"
 #include "drivers/mru/mru_wire_nmea.hpp"
+#include "drivers/mru/mru_wire_nmeap.hpp"
 #include "drivers/mru/mru_wire_tss1.hpp"
 
 namespace {
@@ -47,12 +48,30 @@ void try_sentence(Bytes bytes) {
   }
 }
 
+void try_nmeap(Bytes bytes) {
+  static const mru::Layout layout = [] {
+    constexpr std::array kList{mru::Variable::system_time, mru::Variable::roll, mru::Variable::pos_cg_d};
+    return mru::Layout{.variables = mru::VariableList::of(kList).value(), .limits = {}};
+  }();
+  const auto read = mru::nmeap::decode(as_text(bytes), layout);
+  if (!read) return;
+  std::array<std::uint8_t, mru::nmeap::kMaxSentence> room{};
+  const auto text = mru::nmeap::encode(read->frame, layout, room);
+  expect(text.ok());
+  const auto again = mru::nmeap::decode(as_text(*text), layout);
+  expect(again.ok() && again->frame.stable == read->frame.stable);
+  expect(std::abs(again->frame.values[0] - read->frame.values[0]) <= 0.5);
+  for (std::size_t i = 1; i < 3; ++i)
+    expect(std::abs(again->frame.values[i] - read->frame.values[i]) <= 0.51e-6);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Bytes bytes{data, size};
   try_tss1(bytes);
   try_sentence(bytes);
+  try_nmeap(bytes);
   for (const auto format : {mru::Format::tss1, mru::Format::psxn, mru::Format::prdid}) {
     mru::Decoder decoder{format, {}};
     // Twice: the second time it remembers.

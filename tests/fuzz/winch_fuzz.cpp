@@ -15,7 +15,8 @@ template <class Message>
 void decode_and_compare(Bytes data, bool one_spelling = true) {
   const auto message = Message::decode(data);
   if (!message) return;
-  std::vector<std::uint8_t> buffer(data.size() + 64);
+  static std::vector<std::uint8_t> buffer;
+  buffer.resize(data.size() + 64);
   LittleWriter writer{buffer};
   message->encode(writer);
   if (!writer.ok()) std::abort();

@@ -156,6 +156,28 @@ TEST(Configuration, WithoutAWatchdogTheJointsAreLimitedAndTheLogIsTold) {
   EXPECT_TRUE(loopback.notes.empty());
 }
 
+TEST(Configuration, AnMruIsStuckAfterFivePeriodsAtAnyRate) {
+  const auto with = [](const std::string& overlay) {
+    const std::filesystem::path file = overlay_folder() / "overlay.toml";
+    std::ofstream(file) << overlay;
+    return load_gateway_config(config_file("lab.toml"), {file});
+  };
+  EXPECT_DOUBLE_EQ(with("").mrus.front().driver.stuck_after_s, 0.025);
+  EXPECT_DOUBLE_EQ(with("[mru2]\nperiod_s = 0.1\n").mrus.back().driver.stuck_after_s, 0.5);
+  EXPECT_DOUBLE_EQ(with("[mru1]\nstuck_after_s = 0\n").mrus.front().driver.stuck_after_s, 0.0);
+}
+
+TEST(Configuration, SaysWhatNoMruMayClaim) {
+  const std::filesystem::path file = overlay_folder() / "overlay.toml";
+  std::ofstream(file) << "[mru1]\ntilt_max_deg = 45\nheave_max_m = 2\nrate_max_radps = 1\n";
+  const auto config = load_gateway_config(config_file("lab.toml"), {file});
+  EXPECT_NEAR(config.mrus.front().driver.layout.limits.tilt_rad, 0.7853981634, 1e-9);
+  EXPECT_EQ(config.mrus.front().driver.layout.limits.heave_m, 2.0);
+  EXPECT_EQ(config.mrus.front().driver.layout.limits.rate_radps, 1.0);
+  EXPECT_GE(config.mrus.back().driver.layout.limits.tilt_rad, 1.5707963) << "a right angle is allowed";
+  EXPECT_EQ(config.mrus.back().driver.layout.limits.heave_m, 10.0);
+}
+
 TEST(Configuration, WiringNamesEveryDeviceItsAddressAndWhatIsRequired) {
   const auto config = load_gateway_config(config_file("lab.toml"), {config_file("loopback.toml")});
   const std::string text = service::wiring(config);

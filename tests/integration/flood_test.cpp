@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/core/random.hpp"
 #include "tests/integration/process_bench.hpp"
+#include "tests/support/garbage.hpp"
 
 namespace motionlab::integration {
 namespace {
@@ -26,23 +26,10 @@ using topic::ModeState;
 constexpr int kDatagramsPerMillisecond = 100;
 constexpr auto kFloodLasts = std::chrono::seconds{3};
 
-/// Random bytes of random length; some begin as the device's own do.
-std::vector<std::vector<std::uint8_t>> garbage() {
-  Random random(11);
-  std::vector<std::vector<std::uint8_t>> all(997);
-  for (auto& datagram : all) {
-    datagram.resize(random.below(300));
-    for (auto& byte : datagram) byte = static_cast<std::uint8_t>(random.bits());
-    if (datagram.size() > 1 && random.chance(0.2)) datagram[0] = 'q';  // an MRU's header
-    if (datagram.size() == 52) datagram[0] = 32;                       // a robot computer's key
-  }
-  return all;
-}
-
 /// @returns how many really left: a machine that is busy elsewhere sends fewer
 std::uint64_t flood(std::uint16_t port) {
   const RawSocket stranger(SOCK_DGRAM);
-  const auto datagrams = garbage();
+  const auto datagrams = test::garbage();
   const auto begin = std::chrono::steady_clock::now();
   std::uint64_t sent = 0;
   for (auto now = begin; now < begin + kFloodLasts; now = std::chrono::steady_clock::now()) {

@@ -78,6 +78,67 @@ TEST_F(Processes, SurviveTheSimulatorsDeathAndGarbageAndEndWhenToldTo) {
   EXPECT_THAT(gateway->output(), HasSubstr("told to rest"));
 }
 
+/// Somebody in the partition of the truth, who breaks devices while they run.
+class FaultHand {
+ public:
+  explicit FaultHand(int domain)
+      : dds_({.domain = domain,
+              .interface_whitelist = {"127.0.0.1"},
+              .participant = "fault hand",
+              .join_truth = true},
+             local_),
+        controls_(local_.advertise<topic::SimControl>()) {
+    dds_.out<topic::SimControl>();
+    dds_.start();
+  }
+  ~FaultHand() { dds_.stop(); }
+  FaultHand(const FaultHand&) = delete;
+  FaultHand& operator=(const FaultHand&) = delete;
+
+  /// Says it again and again until it has come true: who has just begun may not be heard yet.
+  template <class Condition>
+  bool set_until(const char* device, const char* fault, const Condition& condition) {
+    return eventually(
+        [&] {
+          if (condition()) return true;
+          topic::SimControl control;
+          control.device = device;
+          control.sequence_number = ++said_;
+          control.fault = fault;
+          control.active = true;
+          controls_.publish(control);
+          return false;
+        },
+        kPatience);
+  }
+
+ private:
+  bus::LocalBus local_;
+  bus::DdsBus dds_;
+  bus::Publisher<topic::SimControl> controls_;
+  std::uint64_t said_ = 0;
+};
+
+TEST_F(Processes, FaultsComeAndGoAtRunTime) {
+  Observer observer(domain_);
+  const auto gateway = start_gateway();
+  const auto simulator = start_simulator({"--scenario", "calm"});
+  ASSERT_TRUE(eventually([&] { return observer.all_up(); }, kPatience))
+      << gateway->output() << simulator->output();
+  FaultHand hand(domain_);
+  const auto link = [&](const char* device) { return observer.health(device).link; };
+  EXPECT_TRUE(hand.set_until("mru1", "silent", [&] { return link("mru1") != LinkState::up; }));
+  EXPECT_TRUE(hand.set_until("mru1", "cut", [&] {
+    return simulator->output().find("mru1: fault cut begins") != std::string::npos;
+  }));
+  EXPECT_TRUE(hand.set_until("mru1", "ok", [&] { return link("mru1") == LinkState::up; }));
+  EXPECT_TRUE(hand.set_until("winch", "gremlins", [&] {
+    return simulator->output().find("unknown fault; the winch knows") != std::string::npos;
+  }));
+  EXPECT_TRUE(simulator->running());
+  EXPECT_TRUE(observer.all_up());
+}
+
 TEST_F(Processes, APortInUseIsSaidBeforeAnythingIsSent) {
   const RawSocket robot(SOCK_DGRAM, port_.at("robot"));
   for (const char* const name : {"mru1", "mru2", "frames", "arm"}) {

@@ -13,7 +13,7 @@ import struct
 import subprocess
 import sys
 
-FORMATS = ["mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23"]
+FORMATS = ["mrubin", "km_binary", "em3000", "em1000", "tss1", "psxn", "prdid", "bin23", "nmeap"]
 
 # The laboratory's 24 variables (MRU configuration, December 2017), in the order of the datagram.
 LABORATORY = """SystemTime SensorTemp AngRate_D Roll Pitch Yaw AngRate_R AngRate_P AngRate_Y VelMru_R VelMru_P VelMru_Y
@@ -58,8 +58,12 @@ def mrubin(data):
     assert len(data) == length + 3 == 100 and token == 11
     assert data[-1] % 255 == ones_complement(data[2:-1]) % 255
     values = dict(zip(LABORATORY, struct.unpack(">i23f", data[3:-1])))
+    return by_name(values) | {"stable": {0x71: True, 0x51: False}[header]}
+
+
+def by_name(values):
+    """The laboratory's variables in the words that are compared."""
     return {
-        "stable": {0x71: True, 0x51: False}[header],
         "system_time_ms": values["SystemTime"],
         "temperature": values["SensorTemp"],
         "omega_down": values["AngRate_D"],
@@ -73,6 +77,15 @@ def mrubin(data):
         "v_heading": [values["VelCg_" + a] for a in "FSD"],
         "a_heading": [values["AccCg_" + a] for a in "FSD"],
     }
+
+
+def nmeap(data):
+    assert data[-2:] == b"\r\n"
+    name, settled, token, *fields = nmea_fields(data[:-2].decode("ascii"))
+    assert name == "PSXN" and token == "011" and len(fields) == len(LABORATORY)
+    assert all(-math.pi <= float(fields[LABORATORY.index(angle)]) <= math.pi for angle in ("Roll", "Pitch", "Yaw"))
+    values = dict(zip(LABORATORY, map(float, fields)))
+    return by_name(values) | {"stable": {"10": True, "11": False}[settled]}
 
 
 def km_binary(data):
@@ -166,7 +179,7 @@ def bin23(data):
     }
 
 
-DECODERS = dict(zip(FORMATS, [mrubin, km_binary, em3000, em1000, tss1, psxn, prdid, bin23]))
+DECODERS = dict(zip(FORMATS, [mrubin, km_binary, em3000, em1000, tss1, psxn, prdid, bin23, nmeap]))
 
 
 def expected(truth):
@@ -205,8 +218,8 @@ def expected(truth):
 
 def tolerance(name, quantity):
     """Half of the last digit, and a little for rounding."""
-    if name in ("mrubin", "km_binary"):
-        return 1e-4 if quantity == "heading" else 2e-5
+    if name in ("mrubin", "km_binary", "nmeap"):
+        return 1e-4 if quantity == "heading" else 3e-5
     if quantity == "a_down":
         return 0.0004
     return 0.0051

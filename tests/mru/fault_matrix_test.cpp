@@ -115,16 +115,16 @@ std::vector<Cell> cells() {
   using enum Format;
   std::vector<Cell> all;
   for (const Format format : kFormats) {
-    const bool has_time = format == mrubin || format == km_binary || format == bin23;
+    const bool has_time = has_list(format) || format == km_binary || format == bin23;
     const bool noisy = format == mrubin || format == km_binary;
     const auto lost = [&](std::uint64_t n) { return has_time ? n : 0; };
     // The unit boots: SystemTime begins anew, UTC does not.
     all.push_back({.format = format,
                    .fault = "off",
                    .phase = LinkPhase::down,
-                   .lost_min = format == mrubin ? 0 : lost(195),
-                   .lost_max = format == mrubin ? 0 : lost(210),
-                   .reconnects = format == mrubin ? 1u : 0u,
+                   .lost_min = has_list(format) ? 0 : lost(195),
+                   .lost_max = has_list(format) ? 0 : lost(210),
+                   .reconnects = has_list(format) ? 1u : 0u,
                    .advice = "fallen silent"});
     all.push_back({.format = format,
                    .fault = "silent",
@@ -172,7 +172,9 @@ std::vector<Cell> cells() {
                    .fault = "oversize",
                    .value = 7,
                    .phase = LinkPhase::down,
-                   .reason = format == psxn || format == prdid ? Reason::bad_header : Reason::too_long,
+                   .reason = format == psxn || format == prdid ? Reason::bad_header
+                             : format == nmeap                 ? Reason::too_short
+                                                               : Reason::too_long,
                    .lost_min = lost(195),
                    .lost_max = lost(210),
                    .advice = "No good datagram"});
@@ -225,8 +227,8 @@ std::vector<Cell> cells() {
                    .samples_min = 195,
                    .samples_max = 205,
                    .stable = true,
-                   .reconnects = format == mrubin ? 1u : 0u});
-    if (format == mrubin || format == bin23 || format == psxn || format == prdid) {
+                   .reconnects = has_list(format) ? 1u : 0u});
+    if (has_list(format) || format == bin23 || format == psxn || format == prdid) {
       all.push_back({.format = format,
                      .fault = "bad_checksum",
                      .samples_min = 200,
@@ -248,7 +250,7 @@ std::vector<Cell> cells() {
                      .stable = true,
                      .policy = ChecksumPolicy::ignore});
     }
-    if (format == mrubin) {
+    if (has_list(format)) {
       all.push_back({.format = format,
                      .fault = "wrong_token",
                      .phase = LinkPhase::down,

@@ -36,7 +36,7 @@ TEST(MruDetect, NeedsThreeDatagramsOfAStrongFormatAndTwentyOfAWeakOne) {
   }
 }
 
-TEST(MruDetect, TellsTokenAndNumberOfVariablesOfMrubin) {
+TEST(MruDetect, TellsTokenAndNumberOfVariablesWhereTheUserChoseThem) {
   FormatDetector dut;
   EXPECT_FALSE(dut.token());
   dut.take(kPublished);
@@ -45,6 +45,9 @@ TEST(MruDetect, TellsTokenAndNumberOfVariablesOfMrubin) {
   dut.take(kLaboratoryFrame);
   EXPECT_EQ(dut.token(), 11);
   EXPECT_EQ(dut.variables(), 24u);
+  dut.take(as_bytes(kNmeap));
+  EXPECT_EQ(dut.token(), 11);
+  EXPECT_EQ(dut.variables(), 3u);
 }
 
 TEST(MruDetect, DoesNotDecideOnAMixture) {

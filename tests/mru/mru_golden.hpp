@@ -51,27 +51,31 @@ inline constexpr std::string_view kPsxn23Port = "$PSXN,23,-2.82,1.00,235.18,-1.6
 inline constexpr std::string_view kPsxn24 = "$PSXN,24,0.50,-0.25,0.13,0.06*14\r\n";
 inline constexpr std::string_view kPrdid = "$PRDID,-0.75,1.50,270.00*57\r\n";
 
+/// Constructed: settled, token 11, roll 1.50 deg, pitch -0.75 deg, heave 0.25 m down.
+inline constexpr std::string_view kNmeap = "$PSXN,10,011,1.50,-0.75,0.25*3A\r\n";
+inline Layout nmeap_layout() {
+  constexpr std::array kList{Variable::roll, Variable::pitch, Variable::pos_cg_d};
+  return {.variables = VariableList::of(kList).value(), .limits = {}, .text_in_degrees = true};
+}
+
 /// Every golden datagram with the format that it is in.
 struct Golden {
   Format format;
   ByteBuffer bytes;
+  Layout layout{};
 };
 
 inline std::vector<Golden> all_golden() {
-  const auto of = [](Format format, Bytes bytes) { return Golden{format, {bytes.begin(), bytes.end()}}; };
-  return {of(Format::mrubin, kLaboratoryFrame),
-          of(Format::km_binary, kKmFrame),
-          of(Format::em3000, kEm3000Frame),
-          of(Format::em1000, kEm1000Frame),
-          of(Format::tss1, as_bytes(kTss1Healy)),
-          of(Format::tss1, as_bytes(kTss1Novatel)),
-          of(Format::psxn, as_bytes(kPsxn20)),
-          of(Format::psxn, as_bytes(kPsxn23)),
-          of(Format::psxn, as_bytes(kPsxn23Level)),
-          of(Format::psxn, as_bytes(kPsxn23Port)),
-          of(Format::psxn, as_bytes(kPsxn24)),
-          of(Format::prdid, as_bytes(kPrdid)),
-          of(Format::bin23, kBin23Frame)};
+  const auto of = [](Format format, Bytes bytes, const Layout& layout = {}) {
+    return Golden{format, {bytes.begin(), bytes.end()}, layout};
+  };
+  return {of(Format::mrubin, kLaboratoryFrame),     of(Format::km_binary, kKmFrame),
+          of(Format::em3000, kEm3000Frame),         of(Format::em1000, kEm1000Frame),
+          of(Format::tss1, as_bytes(kTss1Healy)),   of(Format::tss1, as_bytes(kTss1Novatel)),
+          of(Format::psxn, as_bytes(kPsxn20)),      of(Format::psxn, as_bytes(kPsxn23)),
+          of(Format::psxn, as_bytes(kPsxn23Level)), of(Format::psxn, as_bytes(kPsxn23Port)),
+          of(Format::psxn, as_bytes(kPsxn24)),      of(Format::prdid, as_bytes(kPrdid)),
+          of(Format::bin23, kBin23Frame),           of(Format::nmeap, as_bytes(kNmeap), nmeap_layout())};
 }
 
 }  // namespace motionlab::mru

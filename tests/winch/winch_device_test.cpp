@@ -291,8 +291,7 @@ TEST(WinchDevice, RefusesAnUnknownFaultAndNamesTheKnown) {
   const auto status = client.dut.set_fault("explode", true);
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.fault().reason, Reason::refused);
-  std::istringstream names{std::string{faults::CommonFaults::kNames} + " " +
-                           std::string{WinchDevice::kOwnFaults}};
+  std::istringstream names{std::string{WinchDevice::fault_names()}};
   int n = 0;
   for (std::string name; names >> name; ++n) {
     EXPECT_NE(status.fault().text.find(name), std::string_view::npos) << name;
@@ -303,8 +302,7 @@ TEST(WinchDevice, RefusesAnUnknownFaultAndNamesTheKnown) {
 }
 
 TEST(WinchDevice, IsOkAgainAfterEveryFault) {
-  std::istringstream names{std::string{faults::CommonFaults::kNames} + " " +
-                           std::string{WinchDevice::kOwnFaults}};
+  std::istringstream names{std::string{WinchDevice::fault_names()}};
   for (std::string name; names >> name;) {
     if (name == "close_mid_frame") continue;  // it waits for a frame, and is over with it
     Client client;

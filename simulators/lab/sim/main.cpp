@@ -240,8 +240,9 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "of everything random")->capture_default_str();
   app.add_option("--seconds", options.seconds, "run the scenario so long; 0: until a signal")
       ->check(CLI::Range(0.0, 1e9));
-  app.add_option("--fault", options.faults,
-                 "DEVICE:FAULT[=VALUE]@FROM[..UNTIL], seconds since the scenario began");
+  app.add_option(
+      "--fault", options.faults,
+      "DEVICE:FAULT[=VALUE]@FROM[..UNTIL], seconds since the scenario began; ok ends all of a device's");
   app.add_option("--platform", options.platform, "markers on the platform or not")
       ->check(CLI::IsMember({"tracked", "untracked"}))
       ->capture_default_str();

@@ -73,6 +73,7 @@ TEST(LabConfig, TheShippedFileSaysWhatTheDefaultsSay) {
   EXPECT_EQ(file.arm_listen, code.arm_listen);
   EXPECT_EQ(file.winch_listen, code.winch_listen);
   EXPECT_TRUE(file.arm.hardened);
+  EXPECT_EQ(file.arm.peer, code.arm.peer);
   EXPECT_EQ(file.arm.long_answers, code.arm.long_answers);
   EXPECT_EQ(file.arm.acceleration_max_radps2, code.arm.acceleration_max_radps2);
   EXPECT_EQ(file.arm.pendant, code.arm.pendant);
@@ -106,6 +107,13 @@ TEST_F(LabConfigFile, PlansFaultsForEveryRun) {
   EXPECT_EQ(c.faults[1].fault, "loss");
   EXPECT_EQ(c.faults[1].until_s, 8);
   EXPECT_THAT(error_of("[devices]\nfaults = [\"mru1\"]\n"), HasSubstr("mru1"));
+}
+
+TEST_F(LabConfigFile, SaysWhoMayCommandTheArm) {
+  EXPECT_EQ(load("").arm.peer, Endpoint::parse("127.0.0.1:0"));
+  EXPECT_EQ(load("[devices.arm]\npeer = \"192.168.90.42:50042\"\n").arm.peer,
+            Endpoint::parse("192.168.90.42:50042"));
+  EXPECT_THAT(error_of("[devices.arm]\npeer = \"the gateway\"\n"), HasSubstr("peer"));
 }
 
 TEST_F(LabConfigFile, LoadsTheWinchsProjectAndTheRoutesItKnows) {

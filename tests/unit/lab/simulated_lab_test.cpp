@@ -201,7 +201,7 @@ TEST_F(Lab, EveryFaultThatItNamesIsKnownAndEveryNameOfARefusalIsNamed) {
     }
     std::string told{lab_->set_fault(device, "?", true).fault().text};
     std::replace(told.begin(), told.end(), ',', ' ');
-    std::istringstream words(told.substr(told.find("off")));
+    std::istringstream words(told.substr(told.find("off"), told.find("; and ok ends") - told.find("off")));
     for (std::string word; words >> word;) {
       if (word.back() == ';' || word.back() == ':') word.pop_back();
       if (word == "its" || word == "wire" || word == "occlude:<body>") continue;
@@ -210,6 +210,28 @@ TEST_F(Lab, EveryFaultThatItNamesIsKnownAndEveryNameOfARefusalIsNamed) {
   }
   EXPECT_THAT(lab_->fault_names("qualisys"), testing::Contains("occlude:platform"));
   EXPECT_TRUE(lab_->fault_names("crane").empty());
+}
+
+TEST_F(Lab, OkEndsEveryFaultOfADeviceAndOfItsWireAndNothingElse) {
+  build();
+  run(100ms);
+  ASSERT_TRUE(lab_->set_fault("mru1", "silent", true));
+  ASSERT_TRUE(lab_->set_fault("mru1", "cut", true));
+  ASSERT_TRUE(lab_->set_fault("mru2", "silent", true));
+  run(20ms);  // what was under way arrives
+  from_mru1_.clear();
+  from_mru2_.clear();
+  ASSERT_TRUE(lab_->set_fault("mru1", "ok", false)) << "it is known, and ends nothing before it begins";
+  run(100ms);
+  EXPECT_TRUE(from_mru1_.empty());
+  ASSERT_TRUE(lab_->set_fault("mru1", "ok", true));
+  run(100ms);
+  EXPECT_NEAR(static_cast<double>(from_mru1_.size()), 20, 2);
+  EXPECT_TRUE(from_mru2_.empty());
+  for (const char* const device : {"mru2", "qualisys", "arm", "winch", "world"}) {
+    EXPECT_TRUE(lab_->set_fault(device, "ok", true)) << device;
+  }
+  EXPECT_FALSE(lab_->set_fault("crane", "ok", true));
 }
 
 TEST_F(Lab, AGustPushesTheLoadTheWayItBlowsUntilItEnds) {
