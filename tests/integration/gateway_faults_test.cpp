@@ -98,6 +98,7 @@ class GatewayFaults : public testing::Test {
   TakenApart line_{config_};
   ArmWire wire_{line_.network(), config_.gateway.comau.driver};
   Nanoseconds stale_ = from_seconds(config_.gateway.comau.driver.command_stale_after_s);
+  Nanoseconds winch_stale_ = from_seconds(config_.gateway.winch.driver.command_stale_after_s);
 };
 
 TEST_F(GatewayFaults, ControlThatStandsStillIsBrakedByTheDriverAndLatchesWhenItComesBack) {
@@ -132,7 +133,7 @@ TEST_F(GatewayFaults, ControlThatStandsStillIsBrakedByTheDriverAndLatchesWhenItC
 TEST_F(GatewayFaults, ControlThatComesBackInTheMiddleOfTheBrakingDoesNotTakeTheArmUpAgain) {
   engage();
   line_.control_hangs = true;
-  run_for(stale_ + 10ms);
+  run_for(winch_stale_ + 10ms);
   ASSERT_TRUE(wire_.moves()) << "the driver still brakes";
   wire_.watch_for_speeding_up();
   line_.control_hangs = false;

@@ -1,5 +1,7 @@
 #include "simulators/lab/fault_matrix/cell.hpp"
 
+#include <algorithm>
+
 #include "drivers/core/memory_network.hpp"
 #include "drivers/core/time.hpp"
 #include "simulators/lab/simulated_lab.hpp"
@@ -12,6 +14,7 @@ namespace {
 std::string refusal(lab::SimulatedLab& lab, std::string_view device, const std::string& name) {
   const Status switched = lab.set_fault(device, name, true);
   std::string because = switched ? "" : std::string(switched.fault().text);
+  because.resize(std::min(because.size(), because.find("; its wire: ")));  // which other names it knows
   (void)lab.set_fault(device, name, false);
   return because;
 }
@@ -48,6 +51,11 @@ std::string Cell::title() const {
   std::string title = fault.device + ":" + fault.name;
   if (fault.device == lab::kArm) title.append(" ").append(to_string(fault.program));
   return title.append(", ").append(to_string(state));
+}
+
+bool obeys_others(const DeviceFault& fault) {
+  return fault.program == Program::faithful && (fault.name == "corrupt" || fault.name == "foreign" ||
+                                                fault.name == "truncate" || fault.name == "torn");
 }
 
 std::vector<KnownFault> every_fault(const lab::LabConfig& config) {

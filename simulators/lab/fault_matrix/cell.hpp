@@ -44,6 +44,10 @@ struct Cell {
 [[nodiscard]] std::string_view to_string(State state);
 [[nodiscard]] std::string_view to_string(Program program);
 
+/// Whether the robot computer is given bytes that we did not send, and executes them: the published program
+/// checks neither its sender nor what arrives.
+[[nodiscard]] bool obeys_others(const DeviceFault& fault);
+
 /// A fault by name, and whether the device can have it.
 struct KnownFault {
   DeviceFault fault;

@@ -26,10 +26,10 @@ std::string Overshoot::worst() const {
   if (wire_length_m > kWire_m) return "wire length";
   if (joint_speed > 1) return "commanded joint speed";
   if (wire_speed > 1) return "commanded wire speed";
-  if (plant_joint_speed_of_servo > 1) return "joint speed";
   if (plant_wire_speed_of_servo > 1) return "wire speed";
   if (joint_acceleration > kRounding) return "joint acceleration";
   if (wire_acceleration > kRounding) return "wire acceleration";
+  if (plant_joint_speed_of_servo > 1) return "joint speed";
   return {};
 }
 

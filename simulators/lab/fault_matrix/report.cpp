@@ -135,6 +135,8 @@ std::string worse(const Outcome& now, const Outcome& recorded) {
   for (const std::string& offence :
        {later("detected after", now.detected_after_s, recorded.detected_after_s, 0.05, "s"),
         later("at rest after", now.at_rest_after_s, recorded.at_rest_after_s, 0.1, "s"),
+        later("fastest joint", now.overshoot.plant_joint_speed, recorded.overshoot.plant_joint_speed, 0.05,
+              "of the limit"),
         later("largest swing", now.swing_max_deg, recorded.swing_max_deg, 0.5, "deg"),
         rides ? later("swing rms", now.swing_rms_deg, recorded.swing_rms_deg, 0.05, "deg") : std::string()}) {
     if (!offence.empty()) return offence;
@@ -175,7 +177,8 @@ std::vector<std::string> offences(const Matrix& matrix) {
     const auto say = [&all, &title = cell](const std::string& what) {
       all.push_back(title.title() + ": " + what);
     };
-    if (const std::string limit = outcome.overshoot.worst(); !limit.empty()) say("exceeds " + limit);
+    const std::string limit = outcome.overshoot.worst();
+    if (!limit.empty() && !(limit == "joint speed" && obeys_others(cell.fault))) say("exceeds " + limit);
     if (outcome.ending == Ending::cannot_be) continue;
     if (!outcome.in_state) say("the gateway was not in this state when the fault came");
     if (outcome.moved_by_itself) say("something moved by itself");

@@ -59,7 +59,14 @@ std::string cell_text(const Cell& cell, const Outcome& o) {
   }
   text += "; " + detected(o);
   if (cell.state != State::settled) text += "; " + degrees(o.swing_max_deg);
-  if (const std::string limit = o.overshoot.worst(); !limit.empty()) text += "; **EXCEEDS " + limit + "**";
+  const std::string limit = o.overshoot.worst();
+  if (limit == "joint speed" && obeys_others(cell.fault)) {
+    std::ostringstream share;
+    share << std::fixed << std::setprecision(2) << o.overshoot.plant_joint_speed;
+    text += "; ***at " + share.str() + " of the cap by bytes that we did not send: not stoppable by us***";
+  } else if (!limit.empty()) {
+    text += "; **EXCEEDS " + limit + "**";
+  }
   if (o.moved_by_itself) text += "; **MOVED BY ITSELF**";
   return text;
 }
@@ -88,8 +95,12 @@ struct Extremes {
   double runaway_radps = 0;
   std::map<Ending, int> count;
 
-  void add(const Outcome& o) {
+  void add(const Entry& entry) {
+    Outcome o = entry.outcome;
     ++count[o.ending];
+    // What others command says nothing of our limits.
+    if (obeys_others(entry.cell.fault))
+      o.overshoot.plant_joint_speed = o.overshoot.plant_joint_speed_of_servo = 0;
     const auto grow = [&o, this](double Overshoot::*share) {
       most.*share = std::max(most.*share, o.overshoot.*share);
     };
@@ -214,7 +225,7 @@ void tell_cells(const Matrix& matrix, std::ostream& out) {
 
 void tell_what_follows(const Matrix& matrix, std::ostream& out) {
   Extremes extremes;
-  for (const auto& [cell, outcome] : matrix) extremes.add(outcome);
+  for (const Entry& entry : matrix) extremes.add(entry);
   const Overshoot& most = extremes.most;
   out << "\n## What follows\n\n" << matrix.size() << " cells:";
   for (const auto& [ending, count] : extremes.count) {

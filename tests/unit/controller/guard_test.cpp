@@ -376,25 +376,6 @@ TEST(Guard, ALateStepBuysNoJump) {
   }
 }
 
-TEST(Guard, WhatOthersHaveBrakedIsNotTakenUpAgainToBeBrakedOnceMore) {
-  for (const bool arm : {true, false}) {
-    Bench b;
-    b.wish_all(0.3, 0.1);
-    for (int i = 0; i < 300; ++i) b.step();
-    const GuardedCommand before = b.out;
-    ASSERT_GT(before.qd_radps[0], 0.2);
-    ASSERT_GT(before.wire_speed_mps, 0.05);
-    b.dut.let_go(arm, !arm);
-    b.in.may_move = false;
-    const GuardedCommand out = b.dut.step(b.in);
-    EXPECT_EQ(out.follow, !arm);
-    EXPECT_EQ(out.qd_radps[0] == 0, arm);
-    EXPECT_EQ(out.wire_speed_mps == 0, !arm);
-    EXPECT_LE(out.qd_radps[0], before.qd_radps[0]);
-    EXPECT_LE(out.wire_speed_mps, before.wire_speed_mps);
-  }
-}
-
 TEST(Guard, NothingMovesWithoutALeaseOrAfterItHasExpired) {
   Bench b;
   b.in.lease = nullptr;

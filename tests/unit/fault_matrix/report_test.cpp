@@ -91,6 +91,13 @@ TEST(FaultMatrix, NeverPassesWhatIsUnsafe) {
   EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("did not stop")));
   bad[0].cell.fault = {"arm", "cut", Program::faithful};
   EXPECT_THAT(offences(bad), IsEmpty()) << "nobody on this side can";
+  bad[0].outcome = one()[0].outcome;
+  bad[0].outcome.overshoot.plant_joint_speed_of_servo = 1.01;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed"))) << "in a cut wire are no bytes of others";
+  bad[0].cell.fault.name = "foreign";
+  EXPECT_THAT(offences(bad), IsEmpty()) << "nobody on this side can";
+  bad[0].cell.fault.program = Program::hardened;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed")));
   bad = one();
   bad[0].outcome.in_state = false;
   EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("not in this state")));
