@@ -54,7 +54,9 @@ std::optional<Obstacle> Readiness::stale(const std::vector<std::string>& devices
   if (needed("mru1") && !fresh(now.mru, now.t, config_.mrus.front().rule.stale_after_s)) {
     return Obstacle{"mru1_stale", "no fresh sample from mru1; check the unit and its cable, then reset"};
   }
-  if (needed("arm") && !fresh(now.arm, now.t, config_.comau.rule.stale_after_s)) {
+  // What came in time and was measured too long ago is as good as silence: the driver moves nothing on it.
+  const double arm_limit_s = config_.comau.rule.stale_after_s;
+  if (needed("arm") && (!fresh(now.arm, now.t, arm_limit_s) || age_s(now.arm, now.t) > arm_limit_s)) {
     return Obstacle{"arm_stale",
                     "no fresh answer from the robot computer; check that its program runs, then reset"};
   }

@@ -47,6 +47,8 @@ class TakenApart {
   std::function<void(topic::WinchState&)> change_winch;
   /// Called around the step of the control room.
   std::function<void()> before_control, after_control;
+  /// The control room stands still: no step, no command. Drivers and laboratory go on.
+  bool control_hangs = false;
 
   void step() {
     const LabTime end = clock_.now() + from_seconds(config_.gateway.control_period_s);
@@ -62,6 +64,7 @@ class TakenApart {
     if (!devices_) return;
     devices_->step(end);
     network_.deliver_due(end);
+    if (control_hangs) return;
     carry(mru_, mru_in_, change_mru);
     carry(load_, bodies_in_, change_bodies);
     carry(platform_, bodies_in_, change_bodies);
@@ -86,6 +89,8 @@ class TakenApart {
     request.action = action;
     requests_.publish(request);
   }
+  /// As the io thread tells that nobody would brake the arm if this process died.
+  void lose_deadman() { schedule_.deadman_lost = true; }
   void refer(const topic::Reference& reference) { references_.publish(reference); }
   /// The gateway is gone: no driver, no control, no farewell.
   void destroy_gateway() {
@@ -96,6 +101,7 @@ class TakenApart {
   [[nodiscard]] double now_s() const { return seconds(clock_.now().time_since_epoch()); }
   [[nodiscard]] topic::Mode mode() const { return mode_.newest().value_or(topic::Mode{}); }
   [[nodiscard]] lab::SimulatedLab& lab() { return lab_; }
+  [[nodiscard]] MemoryNetwork& network() { return network_; }
   [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
 
  private:

@@ -1,5 +1,7 @@
 #include "simulators/lab/fault_matrix/cell.hpp"
 
+#include <algorithm>
+
 #include "drivers/core/memory_network.hpp"
 #include "drivers/core/time.hpp"
 #include "simulators/lab/simulated_lab.hpp"
@@ -8,17 +10,23 @@ namespace motionlab::matrix {
 
 namespace {
 
-std::vector<std::string> supported(const lab::LabConfig& config, std::string_view device) {
+/// Why the device refuses this fault; empty: it does not.
+std::string refusal(lab::SimulatedLab& lab, std::string_view device, const std::string& name) {
+  const Status switched = lab.set_fault(device, name, true);
+  std::string because = switched ? "" : std::string(switched.fault().text);
+  because.resize(std::min(because.size(), because.find("; its wire: ")));  // which other names it knows
+  (void)lab.set_fault(device, name, false);
+  return because;
+}
+
+void add_faults_of(std::string_view device, const lab::LabConfig& config, Program program,
+                   std::vector<KnownFault>& all) {
   SteppedClock clock;
   MemoryNetwork network(clock);
   lab::SimulatedLab lab(config, network, clock.now());
-  std::vector<std::string> faults = lab.fault_names(device);
-  std::erase_if(faults, [&](const std::string& name) {
-    const bool refused = !lab.set_fault(device, name, true);
-    (void)lab.set_fault(device, name, false);
-    return refused;
-  });
-  return faults;
+  for (const std::string& name : lab.fault_names(device)) {
+    all.push_back({{std::string(device), name, program}, refusal(lab, device, name)});
+  }
 }
 
 }  // namespace
@@ -45,35 +53,35 @@ std::string Cell::title() const {
   return title.append(", ").append(to_string(state));
 }
 
-std::vector<DeviceFault> every_fault(const lab::LabConfig& config) {
-  std::vector<DeviceFault> all;
+bool obeys_others(const DeviceFault& fault) {
+  return fault.program == Program::faithful && (fault.name == "corrupt" || fault.name == "foreign" ||
+                                                fault.name == "truncate" || fault.name == "torn");
+}
+
+std::vector<KnownFault> every_fault(const lab::LabConfig& config) {
+  std::vector<KnownFault> all;
   for (const std::string_view device : {lab::kMru1, lab::kMru2, lab::kQualisys, lab::kWinch}) {
-    for (auto& name : supported(config, device)) all.push_back({std::string(device), std::move(name)});
+    add_faults_of(device, config, Program::hardened, all);
   }
   for (const Program program : {Program::hardened, Program::faithful}) {
     lab::LabConfig with = config;
     with.arm.hardened = program == Program::hardened;
-    for (auto& name : supported(with, lab::kArm)) {
-      all.push_back({std::string(lab::kArm), std::move(name), program});
-    }
+    add_faults_of(lab::kArm, with, program, all);
   }
   return all;
 }
 
-std::vector<Cell> every_cell(const std::vector<DeviceFault>& faults) {
-  std::vector<Cell> cells;
-  for (const DeviceFault& fault : faults) {
-    for (const State state : kStates) cells.push_back({fault, state});
-  }
-  return cells;
-}
-
 Timetable Timetable::of(const Cell& cell) {
-  if (cell.state == State::settled) return {.engage_s = 7, .fault_s = 4, .fault_ends_s = 9, .end_s = 12};
-  constexpr double kFault_s = 10, kAfterwards_s = 3;
-  const bool slow = cell.fault.device == lab::kQualisys || cell.fault.program == Program::faithful;
-  const double ends_s = kFault_s + (slow ? 12 : 5);
-  return {.engage_s = 4, .fault_s = kFault_s, .fault_ends_s = ends_s, .end_s = ends_s + kAfterwards_s};
+  // The gateway is ready 4 s after the start; engaged, it has the load still 4 s later.
+  constexpr double kReady_s = 5, kStill_s = 10, kFault_s = 5, kAsked_s = 3, kAfterwards_s = 3;
+  const double begins_s = cell.state == State::settled ? kReady_s : kStill_s;
+  const bool slow = cell.state != State::settled &&
+                    (cell.fault.device == lab::kQualisys || cell.fault.program == Program::faithful);
+  const double ends_s = begins_s + (slow ? 12 : kFault_s);
+  return {.engage_s = cell.state == State::settled ? kReady_s + kAsked_s : kReady_s,
+          .fault_s = begins_s,
+          .fault_ends_s = ends_s,
+          .end_s = ends_s + kAfterwards_s};
 }
 
 }  // namespace motionlab::matrix

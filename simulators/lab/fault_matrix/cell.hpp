@@ -44,12 +44,20 @@ struct Cell {
 [[nodiscard]] std::string_view to_string(State state);
 [[nodiscard]] std::string_view to_string(Program program);
 
-/// Every fault that the devices of this laboratory and their wires can have, in their own order: each name
-/// that they know is tried, and what is refused does not exist. The faults of the robot computer come for
-/// both of its programs.
-[[nodiscard]] std::vector<DeviceFault> every_fault(const lab::LabConfig& config);
-/// Each of them in each state.
-[[nodiscard]] std::vector<Cell> every_cell(const std::vector<DeviceFault>& faults);
+/// Whether the robot computer is given bytes that we did not send, and executes them: the published program
+/// checks neither its sender nor what arrives.
+[[nodiscard]] bool obeys_others(const DeviceFault& fault);
+
+/// A fault by name, and whether the device can have it.
+struct KnownFault {
+  DeviceFault fault;
+  std::string refusal;  ///< why it cannot be: the sentence that the device or its wire gives; empty: it can
+};
+
+/// Every fault of the house's words and of each device's own, for every device of this laboratory and its
+/// wire, in their own order. Each is tried: whoever refuses one says why. Those of the robot computer come
+/// for both of its programs.
+[[nodiscard]] std::vector<KnownFault> every_fault(const lab::LabConfig& config);
 
 /// When what happens, in s since the start.
 struct Timetable {

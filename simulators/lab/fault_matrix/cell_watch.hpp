@@ -32,12 +32,14 @@ struct Truth {
 /// be used ("quality"). When none of these comes, a counter of the health that moves for the first time will
 /// do ("counted"). Health is told ten times a second, which is the resolution of all that is read from it.
 ///
-/// At rest are arm and winch when no joint truly moves faster than 2 mrad/s and the wire not faster than
-/// 2 mm/s.
+/// Arm and winch move while a joint is truly faster than 1 mrad/s, or the wire faster than 1 mm/s, or either
+/// creeps by 2 mrad or 2 mm. They have come to rest when they do not for longer than half a period of the
+/// servos' ringing: a joint that turns round stands for an instant, too. What moves after that moves by
+/// itself.
 class CellWatch {
  public:
-  /// `limits` are those in force, the cap for a robot computer without a watchdog included.
-  CellWatch(const Cell& cell, const service::GatewayConfig& gateway);
+  /// Limits are those in force, the cap for a robot computer without a watchdog included.
+  CellWatch(const Cell& cell, const service::GatewayConfig& gateway, const lab::LabConfig& lab);
 
   /// The arm's command as it left on the wire. A mode other than "follow" asks for no speed.
   void sent(LabTime t, bool follow, const std::array<double, 6>& qd_radps);
@@ -54,6 +56,8 @@ class CellWatch {
 
  private:
   [[nodiscard]] bool during_fault(LabTime t) const { return t >= fault_ && t < fault_ends_; }
+  /// Whether all has come to rest.
+  [[nodiscard]] bool rests(LabTime t) const;
   void detect(LabTime t, std::string by);
   void watch_limits(const Truth& truth);
   void watch_swing(LabTime t, const Truth& truth);
@@ -62,6 +66,8 @@ class CellWatch {
   State state_;
   controller::GuardLimits limits_;
   std::array<double, 6> qdd_max_radps2_;
+  std::array<double, 6> servo_qd_max_radps_;  ///< see Overshoot
+  double servo_wire_speed_max_mps_;
   Nanoseconds command_period_;
   LabTime fault_, fault_ends_;
   LabTime asked_;  ///< when somebody asked to engage
@@ -72,6 +78,7 @@ class CellWatch {
   topic::Health health_before_;
   bool good_before_ = true;
   bool was_engaged_ = false;       ///< since the fault
+  LabTime engaged_{};              ///< since when it is
   std::optional<LabTime> ended_;   ///< when the engagement ended
   std::optional<LabTime> let_go_;  ///< since when the arm's wire says anything but "follow"
   std::optional<LabTime> sent_;
@@ -82,8 +89,9 @@ class CellWatch {
     LabTime since;
     Truth where;
   };
-  std::optional<Rest> rest_;
-  LabTime moved_{};  ///< last seen moving after the engagement ended
+  std::optional<Rest> rest_;  ///< since when nothing moves
+  LabTime watched_{};         ///< the newest truth
+  LabTime moved_{};           ///< last seen moving after the engagement ended
   double squares_deg2_ = 0;
   std::uint64_t samples_ = 0;
 };

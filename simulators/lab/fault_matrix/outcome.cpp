@@ -14,19 +14,22 @@ constexpr std::array kEndings{
     std::pair{Ending::engages, std::string_view("engages")},
     std::pair{Ending::brakes_engaged, std::string_view("brakes, mode stays engaged")},
     std::pair{Ending::not_stoppable, std::string_view("runs to the box edge: not stoppable by us")},
+    std::pair{Ending::cannot_be, std::string_view("cannot be")},
 };
 
 }  // namespace
 
 std::string Overshoot::worst() const {
-  constexpr double kJoint_rad = 0.002, kWire_m = 0.005, kSpeed = 1.05;
+  constexpr double kJoint_rad = 0.002, kWire_m = 0.005;
   constexpr double kRounding = 1.001;  // velocities are 32-bit numbers on the arm's wire
   if (joint_position_rad > kJoint_rad) return "joint position";
   if (wire_length_m > kWire_m) return "wire length";
-  if (joint_speed > kSpeed) return "joint speed";
-  if (wire_speed > kSpeed) return "wire speed";
+  if (joint_speed > 1) return "commanded joint speed";
+  if (wire_speed > 1) return "commanded wire speed";
+  if (plant_wire_speed_of_servo > 1) return "wire speed";
   if (joint_acceleration > kRounding) return "joint acceleration";
   if (wire_acceleration > kRounding) return "wire acceleration";
+  if (plant_joint_speed_of_servo > 1) return "joint speed";
   return {};
 }
 

@@ -15,29 +15,38 @@ enum class Ending {
   engages,         ///< settled, and engaging was granted in spite of it
   brakes_engaged,  ///< the mode says engaged, but what is sent lets go of the arm
   not_stoppable,   ///< the arm goes on when the gateway has let go: it runs to the edge of its box
+  cannot_be,       ///< the device or its wire refuses this fault; `code` says why
 };
 
-/// The most that a limit was ever exceeded by. Position and speed are the plant's, accelerations those of the
-/// commands: of the datagrams on the arm's wire, of what the winch's driver is told.
+/// The most that a limit was ever exceeded by: by the commands, which are the datagrams on the arm's wire and
+/// what the winch's driver is told, and by the plant.
 struct Overshoot {
-  double joint_position_rad = 0;  ///< beyond the guard's box; 0: never
+  double joint_position_rad = 0;  ///< the plant's, beyond the guard's box; 0: never
   double wire_length_m = 0;       ///< likewise
-  /// The largest shares of a limit, 1 at the limit.
+  /// The largest shares of a limit that a command had, 1 at the limit.
   double joint_speed = 0;
   double joint_acceleration = 0;
   double wire_speed = 0;
   double wire_acceleration = 0;
+  /// Likewise of the plant. Its servos ring: at a set point that keeps the limit they may pass it.
+  double plant_joint_speed = 0;
+  double plant_wire_speed = 0;
+  /// The plant's speed as a share of the most that its servo makes of set points within the limit
+  /// (servo_speed_share): above 1 it was moved by something else than our commands.
+  double plant_joint_speed_of_servo = 0;
+  double plant_wire_speed_of_servo = 0;
 
   bool operator==(const Overshoot&) const = default;
 
-  /// Which limit was exceeded, for people; empty: none. A joint at its limit overshoots a little (2 mrad, 5 %
-  /// of speed), the wire likewise (5 mm).
+  /// Which limit was exceeded, for people; empty: none. A joint that stops at the edge of its box overshoots
+  /// a little (2 mrad), the wire likewise (5 mm).
   [[nodiscard]] std::string worst() const;
 };
 
 struct Outcome {
+  bool in_state = false;  ///< ready or engaged, as the cell asks, when the fault came
   Ending ending = Ending::rides_through;
-  std::string code;                        ///< that was latched, or for which engaging was refused
+  std::string code;                        ///< that was latched, or for which it was refused
   std::optional<double> detected_after_s;  ///< the first that anybody could have seen; nothing: never
   std::string detected_by;                 ///< see CellWatch
   std::optional<double> at_rest_after_s;   ///< when arm and winch truly rested, if the engagement ended

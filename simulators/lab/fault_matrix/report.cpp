@@ -40,6 +40,7 @@ Json json_of(const Entry& entry) {
           {"fault", cell.fault.name},
           {"program", arm ? Json(to_string(cell.fault.program)) : Json(nullptr)},
           {"state", to_string(cell.state)},
+          {"in_state", o.in_state},
           {"ending", to_string(o.ending)},
           {"code", or_null(o.code)},
           {"detected_after_s", or_null(o.detected_after_s)},
@@ -56,7 +57,11 @@ Json json_of(const Entry& entry) {
             {"joint_speed", rounded(o.overshoot.joint_speed)},
             {"joint_acceleration", rounded(o.overshoot.joint_acceleration)},
             {"wire_speed", rounded(o.overshoot.wire_speed)},
-            {"wire_acceleration", rounded(o.overshoot.wire_acceleration)}}},
+            {"wire_acceleration", rounded(o.overshoot.wire_acceleration)},
+            {"plant_joint_speed", rounded(o.overshoot.plant_joint_speed)},
+            {"plant_wire_speed", rounded(o.overshoot.plant_wire_speed)},
+            {"plant_joint_speed_of_servo", rounded(o.overshoot.plant_joint_speed_of_servo)},
+            {"plant_wire_speed_of_servo", rounded(o.overshoot.plant_wire_speed_of_servo)}}},
           {"advised", o.advised},
           {"moved_by_itself", o.moved_by_itself}};
 }
@@ -77,6 +82,7 @@ Entry entry_of(const Json& json) {
   entry.cell.state = state_of(json.at("state").get<std::string>());
   Outcome& o = entry.outcome;
   const auto ending = ending_of(json.at("ending").get<std::string>());
+  o.in_state = json.at("in_state").get<bool>();
   if (!ending) throw StartupError("nothing in a fault matrix ends with " + json.at("ending").dump());
   o.ending = *ending;
   o.code = text(json.at("code"));
@@ -94,6 +100,10 @@ Entry entry_of(const Json& json) {
   o.overshoot.joint_acceleration = limits.at("joint_acceleration").get<double>();
   o.overshoot.wire_speed = limits.at("wire_speed").get<double>();
   o.overshoot.wire_acceleration = limits.at("wire_acceleration").get<double>();
+  o.overshoot.plant_joint_speed = limits.at("plant_joint_speed").get<double>();
+  o.overshoot.plant_wire_speed = limits.at("plant_wire_speed").get<double>();
+  o.overshoot.plant_joint_speed_of_servo = limits.at("plant_joint_speed_of_servo").get<double>();
+  o.overshoot.plant_wire_speed_of_servo = limits.at("plant_wire_speed_of_servo").get<double>();
   o.advised = json.at("advised").get<bool>();
   o.moved_by_itself = json.at("moved_by_itself").get<bool>();
   return entry;
@@ -125,6 +135,8 @@ std::string worse(const Outcome& now, const Outcome& recorded) {
   for (const std::string& offence :
        {later("detected after", now.detected_after_s, recorded.detected_after_s, 0.05, "s"),
         later("at rest after", now.at_rest_after_s, recorded.at_rest_after_s, 0.1, "s"),
+        later("fastest joint", now.overshoot.plant_joint_speed, recorded.overshoot.plant_joint_speed, 0.05,
+              "of the limit"),
         later("largest swing", now.swing_max_deg, recorded.swing_max_deg, 0.5, "deg"),
         rides ? later("swing rms", now.swing_rms_deg, recorded.swing_rms_deg, 0.05, "deg") : std::string()}) {
     if (!offence.empty()) return offence;
@@ -165,7 +177,10 @@ std::vector<std::string> offences(const Matrix& matrix) {
     const auto say = [&all, &title = cell](const std::string& what) {
       all.push_back(title.title() + ": " + what);
     };
-    if (const std::string limit = outcome.overshoot.worst(); !limit.empty()) say("exceeds " + limit);
+    const std::string limit = outcome.overshoot.worst();
+    if (!limit.empty() && !(limit == "joint speed" && obeys_others(cell.fault))) say("exceeds " + limit);
+    if (outcome.ending == Ending::cannot_be) continue;
+    if (!outcome.in_state) say("the gateway was not in this state when the fault came");
     if (outcome.moved_by_itself) say("something moved by itself");
     const bool no_watchdog = cell.fault.device == lab::kArm && cell.fault.program == Program::faithful;
     if (outcome.ending == Ending::not_stoppable && !no_watchdog) say("the arm did not stop");

@@ -75,7 +75,7 @@ matrix::Outcome run_cell(const Cell& cell, lockstep::Config config) {
   fault.until_s = times.fault_ends_s;
   config.faults = {fault};
   lockstep::Lockstep line(config);
-  matrix::CellWatch watch(cell, config.gateway);
+  matrix::CellWatch watch(cell, config.gateway, config.lab);
   line.network().on_sent([&](Endpoint, Endpoint to, Bytes datagram, LabTime t) {
     if (to != config.gateway.comau.driver.robot_computer) return;
     if (const auto command = comau::decode_command(datagram)) {
@@ -118,17 +118,25 @@ matrix::Matrix run_fault_matrix(const LabRun& base, const std::string& only) {
     }
   }
   auto faults = matrix::every_fault(configs[{State::sea, Program::hardened}].lab);
-  std::erase_if(faults, [&only](const matrix::DeviceFault& fault) {
-    return !only.empty() && fault.device != only && fault.device + ":" + fault.name != only;
+  std::erase_if(faults, [&only](const matrix::KnownFault& known) {
+    return !only.empty() && known.fault.device != only && known.fault.device + ":" + known.fault.name != only;
   });
   if (faults.empty()) {
     throw StartupError("no fault \"" + only +
                        "\"; write a device (mru1, mru2, qualisys, winch, arm) or DEVICE:FAULT");
   }
   matrix::Matrix entries;
-  for (const Cell& cell : matrix::every_cell(faults)) entries.push_back({cell, {}});
+  for (const auto& [fault, refusal] : faults) {
+    for (const State state : matrix::kStates) {
+      entries.push_back({{fault, state}, {}});
+      if (refusal.empty()) continue;
+      entries.back().outcome.ending = matrix::Ending::cannot_be;
+      entries.back().outcome.code = refusal;
+    }
+  }
   two_at_a_time(entries.size(), [&](std::size_t i) {
     const Cell& cell = entries[i].cell;
+    if (entries[i].outcome.ending == matrix::Ending::cannot_be) return;
     entries[i].outcome = run_cell(cell, configs.at({cell.state, cell.fault.program}));
   });
   return entries;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "simulators/lab/fault_matrix/servo_speed.hpp"
+
 namespace motionlab::matrix {
 namespace {
 
@@ -33,7 +35,10 @@ class Run : public testing::Test {
   static Cell cell(State state) { return {{"arm", "cut", Program::hardened}, state}; }
 
   void begin(State state) {
-    watch_.emplace(cell(state), gateway());
+    watch_.emplace(cell(state), gateway(), lab::LabConfig());
+    t_ = {};
+    truth_ = {};
+    follows_ = true;
     times_ = Timetable::of(cell(state));
     truth_.wire_length_m = 2;
     mode(state == State::settled ? ModeState::ready : ModeState::engaged);
@@ -161,6 +166,68 @@ TEST_F(Run, SeesMotionAfterRestWhenTheCauseIsGone) {
   EXPECT_TRUE(outcome().moved_by_itself);
 }
 
+TEST_F(Run, SeesMotionAfterRestWhileTheCauseLasts) {
+  begin(State::sea);
+  mode(ModeState::fault, "arm_stale");
+  until(times_.fault_s + 1);
+  truth_.qd_radps[0] = 0.01;
+  until(times_.fault_s + 1.1);
+  truth_.qd_radps[0] = 0;
+  rest_of_it();
+  EXPECT_TRUE(outcome().moved_by_itself);
+}
+
+TEST_F(Run, TakesAJointThatTurnsRoundForNoRest) {
+  begin(State::sea);
+  truth_.qd_radps[0] = 0.01;
+  mode(ModeState::fault, "arm_stale");
+  until(times_.fault_s + 0.1);
+  truth_.qd_radps[0] = 0;
+  until(times_.fault_s + 0.12);
+  truth_.qd_radps[0] = -0.01;
+  until(times_.fault_s + 0.3);
+  truth_.qd_radps[0] = 0;
+  rest_of_it();
+  EXPECT_FALSE(outcome().moved_by_itself);
+  EXPECT_EQ(outcome().ending, Ending::rests);
+  EXPECT_NEAR(outcome().at_rest_after_s.value(), 0.3, 2e-3);
+}
+
+TEST_F(Run, KnowsWhetherTheGatewayWasInTheStateOfTheCell) {
+  begin(State::sea);
+  EXPECT_TRUE(outcome().in_state);
+  begin(State::settled);
+  EXPECT_TRUE(outcome().in_state);
+  watch_.emplace(cell(State::sea), gateway(), lab::LabConfig());
+  watch_->take(at(1), mode_);  // ready, though it should be engaged
+  EXPECT_FALSE(outcome().in_state);
+}
+
+TEST_F(Run, SettledItSeesNothingInBecomingReady) {
+  begin(State::settled);
+  mode(ModeState::settled);
+  until(times_.fault_s + 0.1);
+  EXPECT_EQ(outcome().detected_by, "mode settled");
+  watch_.emplace(cell(State::settled), gateway(), lab::LabConfig());
+  mode(ModeState::settled);
+  watch_->take(at(1), mode_);
+  mode(ModeState::ready);
+  watch_->take(at(times_.fault_s + 0.1), mode_);
+  EXPECT_FALSE(outcome().detected_after_s);
+}
+
+TEST_F(Run, SettledItDoesNotTakeTheTimeBeforeTheFirstCommandForBraking) {
+  begin(State::settled);
+  follows_ = false;
+  until(times_.engage_s);
+  mode(ModeState::engaged);
+  until(times_.engage_s + 0.05);
+  follows_ = true;
+  truth_.qd_radps[0] = 0.01;
+  rest_of_it();
+  EXPECT_EQ(outcome().ending, Ending::engages);
+}
+
 TEST_F(Run, SeesAnEngagementThatNobodyAskedFor) {
   begin(State::sea);
   mode(ModeState::fault, "arm_stale");
@@ -218,9 +285,38 @@ TEST_F(Run, MeasuresEveryLimit) {
   begin(State::sea);
   truth_ = {.qd_radps = {0, -0.6}, .wire_length_m = 0.9, .wire_speed_mps = 0.3};
   watch_->take(t_, truth_);
-  EXPECT_NEAR(outcome().overshoot.joint_speed, 1.2, 1e-12);
+  EXPECT_NEAR(outcome().overshoot.plant_joint_speed, 1.2, 1e-12);
   EXPECT_NEAR(outcome().overshoot.wire_length_m, 0.1, 1e-12);
-  EXPECT_NEAR(outcome().overshoot.wire_speed, 1.5, 1e-12);
+  EXPECT_NEAR(outcome().overshoot.plant_wire_speed, 1.5, 1e-12);
+}
+
+TEST_F(Run, LetsAServoRingAtItsLimitAndNotBeyondWhatItCan) {
+  begin(State::sea);
+  const double share =
+      servo_speed_share({0.9 * 25.1327, 0.7}, 0.5, 10);  // what a hardened program lets through
+  truth_.qd_radps[0] = 0.5 * share - 1e-9;
+  watch_->take(t_, truth_);
+  EXPECT_GT(outcome().overshoot.plant_joint_speed, 1.05);
+  EXPECT_EQ(outcome().overshoot.worst(), "");
+  truth_.qd_radps[0] = 0.5 * share + 1e-9;
+  watch_->take(t_, truth_);
+  EXPECT_EQ(outcome().overshoot.worst(), "joint speed");
+}
+
+TEST_F(Run, LetsNoCommandPassItsSpeedLimit) {
+  begin(State::sea);
+  const std::array<double, 6> at_limit{0.5}, beyond{0.5000001};
+  watch_->sent(t_, true, at_limit);
+  watch_->sent(t_ + 1s, true, at_limit);
+  EXPECT_EQ(outcome().overshoot.joint_speed, 1);
+  watch_->sent(t_ + 2s, true, beyond);
+  EXPECT_EQ(outcome().overshoot.worst(), "commanded joint speed");
+
+  begin(State::sea);
+  topic::WinchCommand winch;
+  winch.wire_speed_wanted_mps = 0.21;
+  watch_->take(t_, winch);
+  EXPECT_EQ(outcome().overshoot.worst(), "commanded wire speed");
 }
 
 TEST_F(Run, MeasuresAccelerationsOfWhatIsSent) {

@@ -18,6 +18,7 @@ using testing::IsEmpty;
 
 Matrix one() {
   Outcome o;
+  o.in_state = true;
   o.ending = Ending::rests;
   o.code = "mru1_stale";
   o.detected_after_s = 0.02;
@@ -83,13 +84,23 @@ TEST(FaultMatrix, NeverPassesWhatIsUnsafe) {
   EXPECT_THAT(offences(one()), IsEmpty());
   Matrix bad = one();
   bad[0].outcome.moved_by_itself = true;
-  bad[0].outcome.overshoot.joint_speed = 1.2;
+  bad[0].outcome.overshoot.joint_speed = 1.001;
   EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed"), HasSubstr("by itself")));
   bad = one();
   bad[0].outcome.ending = Ending::not_stoppable;
   EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("did not stop")));
   bad[0].cell.fault = {"arm", "cut", Program::faithful};
   EXPECT_THAT(offences(bad), IsEmpty()) << "nobody on this side can";
+  bad[0].outcome = one()[0].outcome;
+  bad[0].outcome.overshoot.plant_joint_speed_of_servo = 1.01;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed"))) << "in a cut wire are no bytes of others";
+  bad[0].cell.fault.name = "foreign";
+  EXPECT_THAT(offences(bad), IsEmpty()) << "nobody on this side can";
+  bad[0].cell.fault.program = Program::hardened;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("joint speed")));
+  bad = one();
+  bad[0].outcome.in_state = false;
+  EXPECT_THAT(offences(bad), ElementsAre(HasSubstr("not in this state")));
 }
 
 TEST(FaultMatrix, TellsPeopleWhatEachCellEndedWith) {
@@ -100,21 +111,51 @@ TEST(FaultMatrix, TellsPeopleWhatEachCellEndedWith) {
   EXPECT_THAT(to_markdown(matrix), HasSubstr("runs to the box edge: not stoppable by us"));
 }
 
-TEST(FaultMatrixCells, AreThoseThatTheDevicesKnowAndNoOther) {
+TEST(FaultMatrix, TellsPeopleInShortTheWorstOfEachState) {
+  Matrix matrix = one();
+  matrix.push_back(matrix[0]);
+  matrix[1].cell.state = State::calm;
+  matrix[1].outcome.detected_after_s = 0.03;
+  matrix[1].outcome.at_rest_after_s = 0.3;
+  EXPECT_THAT(to_markdown(matrix), HasSubstr("| `off` | 30 → 400 | – | – | – | – | – |\n"));
+  matrix[0].outcome.detected_after_s.reset();
+  EXPECT_THAT(to_markdown(matrix), HasSubstr("| `off` | unseen → 400 |"));
+}
+
+TEST(FaultMatrix, TellsPeopleWhatCannotBeAndWhy) {
+  Matrix matrix = one();
+  matrix[0].cell.state = State::settled;
+  matrix[0].outcome = {.ending = Ending::cannot_be, .code = "it has no power"};
+  EXPECT_THAT(offences(matrix), IsEmpty());
+  EXPECT_THAT(to_markdown(matrix), HasSubstr("| `off` | cannot be |\n\n`off`: it has no power.\n"));
+}
+
+TEST(FaultMatrixCells, AreEveryWordForEveryDeviceAndWhatARefusalSays) {
   const auto config =
       lab::LabConfig::load(std::filesystem::path(MOTIONLAB_SOURCE_DIR) / "deploy" / "config" / "world.toml");
   const auto faults = every_fault(config);
-  const auto has = [&](const DeviceFault& fault) {
-    return std::find(faults.begin(), faults.end(), fault) != faults.end();
+  const auto refusal = [&](const DeviceFault& fault) {
+    const auto known =
+        std::find_if(faults.begin(), faults.end(), [&](const KnownFault& one) { return one.fault == fault; });
+    return known == faults.end() ? "missing" : known->refusal;
   };
-  EXPECT_TRUE(has({"arm", "torn", Program::faithful}));
-  EXPECT_FALSE(has({"arm", "torn", Program::hardened})) << "this program hands commands over whole";
-  EXPECT_FALSE(has({"mru1", "reduced"})) << "mrubin has no word for it";
-  EXPECT_TRUE(has({"qualisys", "occlude:load"}));
-  EXPECT_TRUE(has({"winch", "jitter"}));
-  EXPECT_FALSE(has({"winch", "loss"})) << "TCP hides it";
-  EXPECT_FALSE(has({"arm", "clock-jump"})) << "its answers carry no clock";
-  EXPECT_EQ(every_cell(faults).size(), 3 * faults.size());
+  for (const Program program : {Program::hardened, Program::faithful}) {
+    for (const std::string device : {"mru1", "mru2", "qualisys", "winch", "arm"}) {
+      if (program == Program::faithful && device != "arm") continue;
+      for (const std::string name :
+           {"off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "cut", "loss", "burst",
+            "jitter", "reorder", "duplicate", "corrupt", "truncate", "foreign", "clock-jump"}) {
+        EXPECT_NE(refusal({device, name, program}), "missing") << device << ":" << name;
+      }
+    }
+  }
+  EXPECT_EQ(refusal({"arm", "torn", Program::faithful}), "");
+  EXPECT_THAT(refusal({"arm", "torn", Program::hardened}), HasSubstr("hands commands over whole"));
+  EXPECT_THAT(refusal({"mru1", "reduced"}), HasSubstr("format"));
+  EXPECT_EQ(refusal({"qualisys", "occlude:load"}), "");
+  EXPECT_EQ(refusal({"winch", "jitter"}), "");
+  EXPECT_THAT(refusal({"winch", "loss"}), HasSubstr("TCP"));
+  EXPECT_THAT(refusal({"arm", "clock-jump"}), HasSubstr("no clock"));
 }
 
 }  // namespace
