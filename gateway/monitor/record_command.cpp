@@ -26,7 +26,8 @@ constexpr int kPatientDepth = 512;   // samples that DDS keeps while this proces
 
 std::filesystem::path file_for(const std::string& to, LabTime now) {
   if (to.empty()) return record::dated_name(now);
-  return std::filesystem::is_directory(to) ? std::filesystem::path(to) / record::dated_name(now) : to;
+  const std::filesystem::path named = to;
+  return std::filesystem::is_directory(named) ? named / record::dated_name(now) : named;
 }
 
 record::AttachedFile attached(const std::string& path) {
