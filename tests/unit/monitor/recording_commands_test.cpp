@@ -165,7 +165,8 @@ class RecordingCommands : public testing::Test {
     std::map<std::string, int> messages;
     const Answer answer = motionlab({"verify", at(file), "--json"});
     EXPECT_EQ(answer.exit_code, kExitGood) << answer.err;
-    for (const Json& topic : Json::parse(answer.out).at("topics"))
+    const Json seen = Json::parse(answer.out);
+    for (const Json& topic : seen.at("topics"))
       messages[topic.at("topic").get<std::string>()] = topic.at("messages").get<int>();
     return messages;
   }
@@ -248,7 +249,8 @@ TEST_F(RecordingCommands, VerifiesAndRepairsAFileThatWasCutOff) {
   EXPECT_THAT(cut.out, HasSubstr("missing: its end."));
   const Answer repaired = motionlab({"verify", at("cut.mcap"), "--repair", at("whole.mcap")});
   EXPECT_EQ(repaired.exit_code, kExitGood) << repaired.err;
-  EXPECT_EQ(messages_in("whole.mcap"), messages_in("run.mcap"));
+  EXPECT_EQ(messages_in("whole.mcap"),
+            (std::map<std::string, int>{{"motionlab/mru", 100}, {"motionlab/reference", 1}}));
   EXPECT_THAT(motionlab({"verify", at("cut.mcap"), "--repair", at("run.mcap")}).err,
               HasSubstr("exists already and is not written over"));
 }
