@@ -4,7 +4,8 @@
 set(MOTIONLAB_DEPLOY ${PROJECT_SOURCE_DIR}/deploy)
 set(MOTIONLAB_UNITS lib/systemd/system)
 
-install(FILES ${MOTIONLAB_DEPLOY}/systemd/motionlab-gateway.service ${MOTIONLAB_DEPLOY}/systemd/motionlab.target
+install(FILES ${MOTIONLAB_DEPLOY}/systemd/motionlab-gateway.service ${MOTIONLAB_DEPLOY}/systemd/motionlab-console.service
+              ${MOTIONLAB_DEPLOY}/systemd/motionlab-recorder.service ${MOTIONLAB_DEPLOY}/systemd/motionlab.target
         DESTINATION ${MOTIONLAB_UNITS} COMPONENT gateway)
 install(FILES ${MOTIONLAB_DEPLOY}/config/lab.toml DESTINATION /etc/motionlab COMPONENT gateway EXCLUDE_FROM_ALL)
 install(DIRECTORY ${MOTIONLAB_DEPLOY}/docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/motionlab-gateway COMPONENT gateway

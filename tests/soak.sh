@@ -55,6 +55,7 @@ run_lab() { # SEED
 }
 
 step "fuzz" tests/fuzz/run.sh --runs "$runs"
+step "recording to a RAM disk" build/release/tests/bench/bench_recording
 step "flood of the bus" build/release/tests/bench/bench_bus_flood
 step "flood of datagrams" build/release/tests/bench/bench_datagram_flood
 for ((seed = 1; seed <= seeds; ++seed)); do

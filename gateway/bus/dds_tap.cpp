@@ -12,6 +12,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
+#include "drivers/core/error.hpp"
 #include "gateway/bus/participant.hpp"
 #include "gateway/bus/qos.hpp"
 #include "gateway/bus/topic_list.hpp"
@@ -30,7 +31,7 @@ class Pipe : public fast::DataReaderListener {
  public:
   explicit Pipe(std::size_t topic) : topic_{topic} {}
 
-  virtual bool create(fast::DomainParticipant& participant) = 0;
+  virtual bool create(fast::DomainParticipant& participant, int depth) = 0;
   virtual std::size_t take(const std::function<void(const TappedSample&)>& use) = 0;
 
   [[nodiscard]] std::size_t writers() const noexcept {
@@ -55,7 +56,7 @@ class PipeOf final : public Pipe {
  public:
   using Pipe::Pipe;
 
-  bool create(fast::DomainParticipant& participant) override {
+  bool create(fast::DomainParticipant& participant, int depth) override {
     fast::TypeSupport type{new TapSupport<T>{}};
     if (type.register_type(&participant) != ReturnCode_t::RETCODE_OK) return false;
     fast::Topic* const topic = participant.create_topic(std::string{TopicTraits<T>::name},
@@ -66,8 +67,8 @@ class PipeOf final : public Pipe {
     }
     fast::Subscriber* const subscriber = topic ? participant.create_subscriber(qos) : nullptr;
     if (!subscriber) return false;
-    reader_ =
-        subscriber->create_datareader(topic, tap_qos({TopicTraits<T>::qos, TopicTraits<T>::period_s}), this);
+    reader_ = subscriber->create_datareader(
+        topic, tap_qos({TopicTraits<T>::qos, TopicTraits<T>::period_s}, depth), this);
     return reader_ != nullptr;
   }
 
@@ -82,7 +83,13 @@ class PipeOf final : public Pipe {
         refused_.fetch_add(1, std::memory_order_relaxed);
         continue;
       }
-      use({topic_, instance(), tapped_.bytes});
+      use({.topic = topic_,
+           .instance = instance(),
+           .cdr = tapped_.bytes,
+           .writer = id_of(info.sample_identity.writer_guid()),
+           .writer_sequence = info.sample_identity.sequence_number().to64long(),
+           .t_written_ns = info.source_timestamp.to_ns(),
+           .t_heard_ns = info.reception_timestamp.to_ns()});
       ++count;
     }
     return count;
@@ -108,15 +115,17 @@ class PipeOf final : public Pipe {
 }  // namespace
 
 struct DdsTap::Impl {
-  explicit Impl(const DdsConfig& config) : participant{create_participant(config)} {
+  Impl(const DdsConfig& config, const TapOptions& options) : participant{create_participant(config)} {
     std::size_t topic = 0;
 #define MOTIONLAB_PIPE(Type) pipes[topic] = std::make_unique<PipeOf<topic::Type>>(topic), ++topic;
     MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_PIPE)
 #undef MOTIONLAB_PIPE
     for (std::size_t i = 0; i < pipes.size(); ++i) {
-      if (kTopicList[i].partition == kTruthPartition && !config.join_truth) {
+      const bool wanted =
+          options.topics.empty() || std::ranges::find(options.topics, i) != options.topics.end();
+      if (!wanted || (kTopicList[i].partition == kTruthPartition && !config.join_truth)) {
         pipes[i].reset();
-      } else if (!pipes[i]->create(*participant)) {
+      } else if (!pipes[i]->create(*participant, options.depth)) {
         delete_participant(participant);
         throw StartupError{"DDS refuses the topic " + std::string{kTopicList[i].name} +
                            ": memory is short; the log of Fast DDS says more"};
@@ -133,7 +142,8 @@ struct DdsTap::Impl {
   fast::DomainParticipant* const participant;
 };
 
-DdsTap::DdsTap(const DdsConfig& config) : impl_{std::make_unique<Impl>(config)} {}
+DdsTap::DdsTap(const DdsConfig& config, const TapOptions& options)
+    : impl_{std::make_unique<Impl>(config, options)} {}
 
 DdsTap::~DdsTap() = default;
 
@@ -149,9 +159,13 @@ std::size_t DdsTap::writers(std::size_t topic) const noexcept {
   return impl_->pipes[topic] ? impl_->pipes[topic]->writers() : 0;
 }
 
+std::uint64_t DdsTap::refused(std::size_t topic) const noexcept {
+  return impl_->pipes[topic] ? impl_->pipes[topic]->refused() : 0;
+}
+
 std::uint64_t DdsTap::refused() const noexcept {
   std::uint64_t sum = 0;
-  for (const auto& pipe : impl_->pipes) sum += pipe ? pipe->refused() : 0;
+  for (std::size_t topic = 0; topic < impl_->pipes.size(); ++topic) sum += refused(topic);
   return sum;
 }
 

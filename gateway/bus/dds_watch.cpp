@@ -34,13 +34,6 @@ constexpr std::size_t kMaxSeen =
 constexpr int kReaderDepth = 64;
 constexpr int kReaderInstances = 1024;
 
-DdsId id_of(const rtps::GUID_t& guid) {
-  DdsId id;
-  std::copy_n(guid.guidPrefix.value, 12, id.bytes.begin());
-  std::copy_n(guid.entityId.value, 4, id.bytes.begin() + 12);
-  return id;
-}
-
 /// The participant that an endpoint belongs to: the first twelve bytes.
 DdsId participant_id(DdsId id) {
   std::fill(id.bytes.begin() + 12, id.bytes.end(), std::uint8_t{0});

@@ -2,8 +2,6 @@
 /// Only listens.
 #pragma once
 
-#include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,16 +11,11 @@
 #include <vector>
 
 #include "gateway/bus/dds_config.hpp"
+#include "gateway/bus/dds_id.hpp"
 #include "gateway/bus/refusal.hpp"
 #include "gateway/bus/wakeup.hpp"
 
 namespace motionlab::bus {
-
-/// The name that DDS gives to a participant, writer or reader; unique on the bus.
-struct DdsId {
-  std::array<std::uint8_t, 16> bytes{};
-  auto operator<=>(const DdsId&) const = default;
-};
 
 /// As DDS orders it: who offers more also satisfies who asks for less.
 enum class Durability : std::uint8_t { not_kept, transient_local, transient, persistent };

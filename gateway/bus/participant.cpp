@@ -111,6 +111,13 @@ fast::DomainParticipant* create_participant(const DdsConfig& config,
   return participant;
 }
 
+DdsId id_of(const eprosima::fastrtps::rtps::GUID_t& guid) {
+  DdsId id;
+  std::copy_n(guid.guidPrefix.value, 12, id.bytes.begin());
+  std::copy_n(guid.entityId.value, 4, id.bytes.begin() + 12);
+  return id;
+}
+
 void delete_participant(fast::DomainParticipant* participant) {
   participant->delete_contained_entities();
   fast::DomainParticipantFactory::get_instance()->delete_participant(participant);

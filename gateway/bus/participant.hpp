@@ -6,6 +6,7 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include "gateway/bus/dds_config.hpp"
+#include "gateway/bus/dds_id.hpp"
 
 namespace motionlab::bus {
 
@@ -15,6 +16,9 @@ namespace motionlab::bus {
 /// @throws StartupError  with advice: unknown interface, bad domain, no participant
 [[nodiscard]] eprosima::fastdds::dds::DomainParticipant* create_participant(
     const DdsConfig& config, eprosima::fastdds::dds::DomainParticipantListener* listener = nullptr);
+
+/// The name that Fast DDS has, as the house writes it.
+[[nodiscard]] DdsId id_of(const eprosima::fastrtps::rtps::GUID_t& guid);
 
 /// With all that belongs to it.
 void delete_participant(eprosima::fastdds::dds::DomainParticipant* participant);

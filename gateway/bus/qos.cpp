@@ -70,9 +70,9 @@ fast::DataReaderQos reader_qos(const TopicShape& shape) {
   return qos;
 }
 
-fast::DataReaderQos tap_qos(const TopicShape& shape) {
+fast::DataReaderQos tap_qos(const TopicShape& shape, int depth) {
   fast::DataReaderQos qos = fast::DATAREADER_QOS_DEFAULT;
-  set_common({shape.qos, 0}, std::max(kTapDepth, depth_of(shape.qos)), qos);
+  set_common({shape.qos, 0}, std::max(depth, depth_of(shape.qos)), qos);
   if (shape.qos ==
       QosClass::command) {  // a reliable reader would cost the writer of commands acknowledgements
     qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;

@@ -17,9 +17,7 @@ struct TopicShape {
 [[nodiscard]] eprosima::fastdds::dds::DataWriterQos writer_qos(const TopicShape& shape);
 [[nodiscard]] eprosima::fastdds::dds::DataReaderQos reader_qos(const TopicShape& shape);
 /// For one who looks on: matches every writer of the class, promises nothing and asks for nothing that a
-/// writer would have to do more for. Keeps `kTapDepth` samples of each instance until they are taken.
-[[nodiscard]] eprosima::fastdds::dds::DataReaderQos tap_qos(const TopicShape& shape);
-
-inline constexpr int kTapDepth = 32;
+/// writer would have to do more for. Keeps so many samples of each instance until they are taken.
+[[nodiscard]] eprosima::fastdds::dds::DataReaderQos tap_qos(const TopicShape& shape, int depth);
 
 }  // namespace motionlab::bus

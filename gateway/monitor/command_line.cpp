@@ -13,15 +13,19 @@
 #include "gateway/monitor/completion.hpp"
 #include "gateway/monitor/delay_command.hpp"
 #include "gateway/monitor/echo_command.hpp"
+#include "gateway/monitor/export_command.hpp"
 #include "gateway/monitor/mode_command.hpp"
 #include "gateway/monitor/nearest_name.hpp"
 #include "gateway/monitor/rate_command.hpp"
+#include "gateway/monitor/record_command.hpp"
 #include "gateway/monitor/reference_command.hpp"
+#include "gateway/monitor/replay_command.hpp"
 #include "gateway/monitor/safe_text.hpp"
 #include "gateway/monitor/score_command.hpp"
 #include "gateway/monitor/status_command.hpp"
 #include "gateway/monitor/topic_table.hpp"
 #include "gateway/monitor/topics_command.hpp"
+#include "gateway/monitor/verify_command.hpp"
 
 namespace motionlab::monitor {
 namespace {
@@ -50,6 +54,10 @@ struct Chosen : Common {
   RateCommand rate;
   DelayCommand delay;
   ReferenceCommand reference;
+  RecordCommand record;
+  VerifyCommand verify;
+  ExportCommand exporting;
+  ReplayCommand replay;
   std::vector<double> place;
   std::string shell;
   Run run;
@@ -323,6 +331,119 @@ The gateway approaches it within its own limits.)");
   });
 }
 
+void add_record(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command = app.add_subcommand("record", "what is said on the bus, into an MCAP file");
+  RecordCommand& record = chosen.record;
+  command
+      ->add_option("-o,--output", record.to,
+                   "file, or folder for a file named by the date; nothing is ever written over")
+      ->type_name("FILE_OR_FOLDER");
+  command->add_option("--topics", record.topics, "only these, with commas between them (all of the house)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("TOPIC");
+  command->add_option("--seconds", record.seconds, "end after so many seconds (until Ctrl-C)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--config", record.configs,
+                   "file to attach, e.g. the gateway's lab.toml; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command->add_option("--split-mb", record.split_mb, "begin a new file after so many megabytes (1024)")
+      ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option(
+          "--disk-mb", record.disk_mb,
+          "keep the newest so many megabytes: the oldest files of this recording are deleted, each a "
+          "quarter of it at most (no limit)")
+      ->check(CLI::Range(4, 100'000'000));
+  command->footer(R"(
+Examples:
+  motionlab record                                        everything, into a file named by the date
+  motionlab record -o run.mcap --seconds 60 --config /etc/motionlab/lab.toml
+  motionlab record -o /var/tmp --topics mru,arm_state
+  motionlab record -o /data --disk-mb 20000               the newest 20 GB, for ever
+Samples lie in the file as they came, with their schema: Foxglove, Lichtblick and the mcap tools read it. At its end is
+the ledger of what is missing. After a power cut or kill -9 all but the last second is there: motionlab verify --repair.
+Ends with 1 when the disk took no more, 2 when nothing was heard.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.record.json = chosen.json;
+      return run_record(chosen.connection, chosen.record, terminal);
+    };
+  });
+}
+
+void add_recording_file(CLI::App& command, std::string& file) {
+  command.add_option("file", file, "a recording")->required()->type_name("FILE");
+}
+
+void add_verify(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command = app.add_subcommand("verify", "what is in a recording, and what is missing");
+  add_recording_file(*command, chosen.verify.file);
+  command->add_option("--repair", chosen.verify.repaired, "write a whole file of all that is good to OUT")
+      ->type_name("OUT");
+  command->footer(R"(
+Examples:
+  motionlab verify run.mcap
+  motionlab verify run.mcap --repair whole.mcap     after a power cut
+  motionlab verify run.mcap --json | jq '.topics[] | {topic, messages}'
+"lost" is the ledger at the end of the file; where that is missing, gaps in the numbers of the messages.
+Ends with 0 when the file is whole or was repaired, 1 when it is not.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      chosen.verify.json = chosen.json;
+      return run_verify(chosen.verify, terminal);
+    };
+  });
+}
+
+void add_export(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command = app.add_subcommand("export", "a recording as tables for MATLAB and pandas");
+  ExportCommand& exporting = chosen.exporting;
+  add_recording_file(*command, exporting.file);
+  command->add_flag("--csv", exporting.csv, "as CSV, a file for each topic")->required();
+  command->add_option("--topic", exporting.topics, "only this topic; may be given several times (all)")
+      ->allow_extra_args(false)
+      ->type_name("TOPIC");
+  command->add_option("-o,--output", exporting.folder, "folder (named like the file, beside it)")
+      ->type_name("FOLDER");
+  command->footer(R"(
+Examples:
+  motionlab export run.mcap --csv                      run/motionlab_mru.csv and so on
+  motionlab export run.mcap --csv --topic estimate -o tables
+  pandas.read_csv("run/motionlab_mru.csv")             readtable("run/motionlab_mru.csv") in MATLAB
+Columns are the fields of the IDL, units in their names; before them when a sample was heard and written, in ns since
+1970. Tables are never written over.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) { return run_export(chosen.exporting, terminal); };
+  });
+}
+
+void add_replay(CLI::App& app, Chosen& chosen) {
+  CLI::App* const command =
+      app.add_subcommand("replay", "says a recording again on DDS, where no gateway lives");
+  ReplayCommand& replay = chosen.replay;
+  add_recording_file(*command, replay.file);
+  command->add_option("--speed", replay.speed, "so many times as fast as it was (1)")
+      ->check(CLI::Range(0.001, 1e6));
+  command->add_option("--topics", replay.topics, "only these, with commas between them")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("TOPIC");
+  command->footer(R"(
+Examples:
+  motionlab replay run.mcap --domain 43                     then: motionlab-console, motionlab echo … in domain 43
+  motionlab replay run.mcap --domain 43 --speed 10 --topics mru,bodies
+Nothing recorded may move a robot: where a gateway lives, or as soon as one appears, nothing is said. Commands, requests
+and references are said only when --topics names them.)");
+  command->callback([&chosen] {
+    chosen.run = [&chosen](const Terminal& terminal) {
+      return run_replay(chosen.connection, chosen.replay, terminal);
+    };
+  });
+}
+
 void add_completion(CLI::App& app, Chosen& chosen) {
   CLI::App* const command =
       app.add_subcommand("completion", "prints a script that completes this command line");
@@ -375,6 +496,10 @@ Examples:
 More is granted only while nothing moves: settle first.)");
   add_reference(app, chosen);
   add_score(app, chosen);
+  add_record(app, chosen);
+  add_verify(app, chosen);
+  add_export(app, chosen);
+  add_replay(app, chosen);
   add_check(app, chosen);
   for (const FurtherCommand& add : further) add(app, chosen, chosen.run);
   add_completion(app, chosen);

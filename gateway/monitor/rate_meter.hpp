@@ -11,8 +11,8 @@
 
 #include "gateway/monitor/any_tap.hpp"
 #include "gateway/monitor/percentiles.hpp"
-#include "gateway/monitor/sequence_ledger.hpp"
 #include "gateway/monitor/topic_table.hpp"
+#include "gateway/record/sequence_ledger.hpp"
 
 namespace motionlab::monitor {
 
@@ -55,7 +55,7 @@ class RateMeter {
 
  private:
   struct Stream {
-    SequenceLedger ledger;
+    record::SequenceLedger ledger;
     std::optional<std::pair<std::uint64_t, std::int64_t>> newest;  ///< number, stamp
     std::uint64_t steps = 0, numbers = 0;
     std::int64_t span_ns = 0;
@@ -65,7 +65,7 @@ class RateMeter {
   const TopicDescription& topic_;
   std::string_view stamp_field_;
   std::map<std::pair<std::string, bus::DdsId>, Stream> streams_;
-  std::map<bus::DdsId, SequenceLedger> writers_;
+  std::map<bus::DdsId, record::SequenceLedger> writers_;
   std::uint64_t heard_ = 0, refused_ = 0;
 };
 

@@ -9,6 +9,7 @@
 #include "gateway/monitor/found_topic.hpp"
 #include "gateway/monitor/progress.hpp"
 #include "gateway/monitor/safe_text.hpp"
+#include "gateway/monitor/text_table.hpp"
 #include "gateway/monitor/topic_json.hpp"
 #include "gateway/monitor/topic_table.hpp"
 
@@ -50,21 +51,6 @@ std::string names_of(const std::vector<bus::SeenEndpoint>& ends) {
   }
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-/// Columns as wide as their widest cell; the last one is not padded.
-template <std::size_t N>
-std::string table(const std::vector<std::array<std::string, N>>& lines) {
-  std::array<std::size_t, N> width{};
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < N; ++i) width[i] = std::max(width[i], line[i].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i + 1 < N; ++i) text += line[i] + std::string(width[i] + 2 - line[i].size(), ' ');
-    text += line[N - 1] + "\n";
-  }
   return text;
 }
 
@@ -114,7 +100,7 @@ std::string topics_text(const std::vector<TopicRow>& rows, bool endpoints) {
       }
     }
   }
-  return table(lines);
+  return text_table(lines);
 }
 
 nlohmann::ordered_json topics_json(const std::vector<TopicRow>& rows,

@@ -19,6 +19,8 @@ namespace motionlab::record {
 
 /// Before each sample: plain CDR, little endian.
 inline constexpr std::array<std::uint8_t, 4> kCdrLittle{0x00, 0x01, 0x00, 0x00};
+/// DDS fills up the bytes of a sample to a multiple of four.
+inline constexpr std::size_t kDdsPadding = 3;
 
 namespace detail {
 
@@ -79,10 +81,11 @@ class CdrReader {
     read(value);
   }
 
-  [[nodiscard]] Status status() const noexcept {
+  /// @param padding  so many bytes may be left over
+  [[nodiscard]] Status status(std::size_t padding) const noexcept {
     if (!from_.ok()) return Fault{Reason::too_short, "a sample is shorter than its fields"};
     if (!good_) return Fault{Reason::bad_value, "a sample has a value that its type cannot have"};
-    if (from_.remaining() != 0) return Fault{Reason::too_long, "a sample is longer than its fields"};
+    if (from_.remaining() > padding) return Fault{Reason::too_long, "a sample is longer than its fields"};
     return Done{};
   }
 
@@ -153,13 +156,17 @@ template <class T>
 }
 
 /// Reads what `write_cdr` writes, and refuses everything else; the sample is then not to be used.
+/// @param padding  at most so many bytes may follow, as the header may then say: `kDdsPadding` for what came
+/// by DDS
 template <class T>
-[[nodiscard]] Status read_cdr(Bytes from, T& sample) noexcept {
-  if (from.size() < kCdrLittle.size() || !std::equal(kCdrLittle.begin(), kCdrLittle.end(), from.begin()))
+[[nodiscard]] Status read_cdr(Bytes from, T& sample, std::size_t padding = 0) noexcept {
+  const std::ptrdiff_t checked = padding == 0 ? kCdrLittle.size() : 2;
+  if (from.size() < kCdrLittle.size() ||
+      !std::equal(kCdrLittle.begin(), kCdrLittle.begin() + checked, from.begin()))
     return Fault{Reason::bad_header, "a sample is not little-endian CDR"};
   detail::CdrReader reader(from.subspan(kCdrLittle.size()));
   T::fields(sample, reader);
-  return reader.status();
+  return reader.status(padding);
 }
 
 }  // namespace motionlab::record

@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <new>
 #include <utility>
@@ -17,6 +18,11 @@ constexpr Fault kTruncatedRecord{Reason::too_short,
 constexpr Fault kTooLarge{
     Reason::too_long, "a record or chunk is larger than 64 MiB; write the file again with smaller chunks"};
 constexpr Fault kBadChecksum{Reason::bad_checksum, "a checksum does not match; the file is damaged"};
+
+/// As many as `McapWriter` can number.
+constexpr std::size_t kMaxChannels = std::numeric_limits<ChannelId>::max();
+/// Bytes of the footer that its checksum covers.
+constexpr std::size_t kFooterTold = 8 + 8;
 
 /// 32 bits of length, then the text.
 std::string read_text(LittleReader& from) {
@@ -84,6 +90,17 @@ McapReader::Step McapReader::fail(Fault fault) {
   return fault;
 }
 
+McapReader::Step McapReader::give_up(Fault fault) {
+  hopeless_ = true;
+  return fault;
+}
+
+bool McapReader::skip() {
+  if (!fault_ || hopeless_) return false;
+  fault_.reset();
+  return true;
+}
+
 Result<std::optional<McapItem>> McapReader::next() {
   if (fault_) return *fault_;
   if (!started_) {
@@ -101,7 +118,7 @@ Result<std::optional<McapItem>> McapReader::next() {
 McapReader::Step McapReader::read_start() {
   if (!read_bytes(kMcapMagic.size(), record_) ||
       !std::equal(record_.begin(), record_.end(), kMcapMagic.begin()))
-    return Fault{Reason::bad_header, "this is not an MCAP file"};
+    return give_up({Reason::bad_header, "this is not an MCAP file"});
   position_ += record_.size();
   crc_ = crc32(record_);
   return Item{};
@@ -119,25 +136,29 @@ McapReader::Step McapReader::read_record() {
     ended_ = true;  // cut off within it
     return Item{};
   }
-  if (length > kLargest) return kTooLarge;
+  if (length > kLargest) return give_up(kTooLarge);
   position_ += kRecordHead;
-  if (!read_bytes(length, record_)) return Fault{Reason::transport, "the file cannot be read"};
+  if (!read_bytes(length, record_)) return give_up({Reason::transport, "the file cannot be read"});
   position_ += length;
   const std::uint32_t crc_before = crc_;
   crc_ = crc32(record_, crc32(head, crc_));
   if (opcode == Opcode::data_end) {
     LittleReader from(record_);
     const auto crc = from.read<std::uint32_t>();
+    in_summary_ = true;
+    crc_ = 0;
     if (!from.ok()) return kTruncatedRecord;
     if (crc != 0 && crc != crc_before) return kBadChecksum;
-    in_summary_ = true;
     return Item{};
+  }
+  if (opcode == Opcode::footer) {
+    const Bytes told = Bytes{record_}.first(std::min(record_.size(), kFooterTold));
+    return take_footer(record_, crc32(told, crc32(head, crc_before)));
   }
   return take(opcode, record_);
 }
 
 McapReader::Step McapReader::take(Opcode opcode, Bytes content) {
-  if (opcode == Opcode::footer) return take_footer();
   if (in_summary_) return Item{};  // says again what was seen
   LittleReader from(content);
   switch (opcode) {
@@ -204,6 +225,8 @@ McapReader::Step McapReader::take_channel(Bytes content) {
       return Fault{Reason::unexpected, "a channel comes before its schema; the file is damaged"};
     channel.schema = &found->second;
   }
+  if (channels_.size() == kMaxChannels)
+    return Fault{Reason::too_long, "the file has more channels than a file of ours can have"};
   channels_.try_emplace(id, std::move(channel));
   return Item{};
 }
@@ -234,18 +257,20 @@ McapReader::Step McapReader::take_chunk(Bytes content) {
   if (!from.ok()) return kTruncatedRecord;
   if (size > kLargest) return kTooLarge;
   chunk_position_ = 0;
+  chunk_.clear();
+  const auto refuse = [this](Fault fault) {
+    chunk_.clear();
+    return Step{fault};
+  };
   if (compression == kZstd) {
-    if (const Status unpacked = unpack_zstd(packed, size, chunk_); !unpacked) {
-      chunk_.clear();
-      return unpacked.fault();
-    }
+    if (const Status unpacked = unpack_zstd(packed, size, chunk_); !unpacked) return refuse(unpacked.fault());
   } else if (compression == kNoCompression) {
     chunk_.assign(packed.begin(), packed.end());
   } else {
     return Fault{Reason::unexpected, "a chunk is packed by something else than zstd; write the file again"};
   }
-  if (chunk_.size() != size) return kTruncatedRecord;
-  if (crc != 0 && crc != crc32(chunk_)) return kBadChecksum;
+  if (chunk_.size() != size) return refuse(kTruncatedRecord);
+  if (crc != 0 && crc != crc32(chunk_)) return refuse(kBadChecksum);
   return Item{};
 }
 
@@ -253,8 +278,8 @@ McapReader::Step McapReader::take_from_chunk() {
   LittleReader from(Bytes{chunk_}.subspan(chunk_position_));
   const auto opcode = static_cast<Opcode>(from.read<std::uint8_t>());
   const Bytes content = from.take(from.read<std::uint64_t>());
+  chunk_position_ += from.position();  // to the end of the chunk when there is no whole record any more
   if (!from.ok()) return kTruncatedRecord;
-  chunk_position_ += from.position();
   switch (opcode) {
     case Opcode::schema:
       return take_schema(content);
@@ -267,8 +292,15 @@ McapReader::Step McapReader::take_from_chunk() {
   }
 }
 
-McapReader::Step McapReader::take_footer() {
+McapReader::Step McapReader::take_footer(Bytes content, std::uint32_t crc) {
   ended_ = true;
+  LittleReader from(content);
+  const auto summary_start = from.read<std::uint64_t>();
+  from.skip(8);  // where the offsets begin
+  const auto told = from.read<std::uint32_t>();
+  if (!from.ok()) return kTruncatedRecord;
+  if (told != 0 && told != crc)
+    return Fault{Reason::bad_checksum, "the checksum of the summary does not match; the index is damaged"};
   if (!in_summary_)
     return Fault{Reason::unexpected, "the data has no end before the footer; the file is damaged"};
   if (!read_bytes(kMcapMagic.size(), record_)) return Item{};  // cut off in the last moment
@@ -276,6 +308,7 @@ McapReader::Step McapReader::take_footer() {
   if (!std::equal(record_.begin(), record_.end(), kMcapMagic.begin()))
     return Fault{Reason::bad_header, "the file does not end as an MCAP file; it is damaged"};
   complete_ = true;
+  has_index_ = summary_start != 0;
   return Item{};
 }
 

@@ -65,8 +65,14 @@ class McapReader {
   /// The next message, attachment or metadata in the file's order; nothing at its end.
   [[nodiscard]] Result<std::optional<McapItem>> next();
 
+  /// After a fault: goes on behind the record that is damaged. @returns false when nobody knows where that
+  /// ends
+  bool skip();
+
   /// After the end: whether the file was finished. If not, it was cut off, as by a writer that died.
   [[nodiscard]] bool complete() const noexcept { return complete_; }
+  /// After the end of a finished file: whether it has an index, so that others need not read it all.
+  [[nodiscard]] bool has_index() const noexcept { return has_index_; }
   /// Where the last record that was read ended, in bytes from the front.
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
   [[nodiscard]] const std::string& profile() const noexcept { return profile_; }
@@ -86,19 +92,23 @@ class McapReader {
   Step take_schema(Bytes content);
   Step take_channel(Bytes content);
   Step take_message(Bytes content);
-  Step take_footer();
+  /// @param crc  of the summary, up to where the footer tells its own
+  Step take_footer(Bytes content, std::uint32_t crc);
   Step fail(Fault fault);
+  Step give_up(Fault fault);
   /// Reads n bytes; false when there are fewer.
   bool read_bytes(std::uint64_t n, ByteBuffer& into);
 
   std::istream& in_;
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;
-  std::uint32_t crc_ = 0;  ///< of everything up to the record that is being read
+  std::uint32_t crc_ = 0;  ///< of the data, and then of the summary, up to the record that is being read
   bool started_ = false;
   bool in_summary_ = false;
   bool ended_ = false;
   bool complete_ = false;
+  bool has_index_ = false;
+  bool hopeless_ = false;  ///< where the next record begins is not known
   std::optional<Fault> fault_;
 
   ByteBuffer record_;

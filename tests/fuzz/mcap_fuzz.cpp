@@ -1,11 +1,13 @@
-// Any bytes as an MCAP file: read to an end or to a fault, in bounded memory. What comes out as a snapshot of
-// the control thread is read, too, and comes back the same from the bytes that its values make.
+// Any bytes as an MCAP file: read to an end or to a fault behind which nothing is known, in bounded memory.
+// What comes out as a snapshot of the control thread is read, too, and comes back the same from the bytes
+// that its values make. What is repaired is whole.
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>
 #include <string>
 
 #include "gateway/record/cdr.hpp"
+#include "gateway/record/inspection.hpp"
 #include "gateway/record/mcap_reader.hpp"
 #include "idl/snapshot.hpp"
 
@@ -25,14 +27,27 @@ void read_and_write(Bytes cdr) {
     std::abort();
 }
 
+/// Of whatever there is, a whole file with as many messages can be made.
+void repair(const std::string& bytes) {
+  std::istringstream in(bytes);
+  std::ostringstream out;
+  const record::Inspection before = record::repair(in, out);
+  std::istringstream made(out.str());
+  const record::Inspection after = record::inspect(made);
+  if (!after.whole() || after.messages() != before.messages()) std::abort();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::istringstream in(std::string(reinterpret_cast<const char*>(data), size));
+  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  repair(bytes);
+  std::istringstream in(bytes);
   record::McapReader reader(in);
   std::size_t seen = 0;
   for (;;) {
     const auto item = reader.next();
+    if (!item && reader.skip()) continue;
     if (!item || !item->has_value()) break;
     if (const auto* message = std::get_if<record::McapMessage>(&**item)) {
       seen += message->channel->topic.size() + message->data.size();

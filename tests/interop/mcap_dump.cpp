@@ -17,7 +17,8 @@
 #include "drivers/core/config_path.hpp"
 #include "gateway/record/cdr.hpp"
 #include "gateway/record/mcap_reader.hpp"
-#include "gateway/record/run_tape.hpp"
+#include "idl/snapshot.hpp"
+#include "idl/topics.hpp"
 #include "simulators/lab/lockstep/lockstep.hpp"
 
 namespace {
@@ -88,6 +89,27 @@ class Json {
   std::string text_;
 };
 
+template <class T>
+void print(const record::McapMessage& message) {
+  static T sample;
+  sample = T{};
+  if (!record::read_cdr(message.data, sample, record::kDdsPadding))
+    throw std::runtime_error("a sample that is none");
+  std::cout << "{\"topic\":\"" << message.channel->topic << "\",\"sequence\":" << message.sequence
+            << ",\"log_time\":\"" << message.logged_ns << "\",\"publish_time\":\"" << message.published_ns
+            << "\",\"sample\":" << Json::of(sample) << "}\n";
+}
+
+void print_any(const record::McapMessage& message) {
+  const std::string& type = message.channel->schema->name;
+#define MOTIONLAB_PRINT(Type) \
+  if (type == topic::Type::kTypeName) return print<topic::Type>(message);
+  MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_PRINT)
+  MOTIONLAB_PRINT(Snapshot)
+#undef MOTIONLAB_PRINT
+  throw std::runtime_error("a type that is none of the house");
+}
+
 int decode(const char* file) {
   std::ifstream in(file, std::ios::binary);
   record::McapReader reader(in);
@@ -98,19 +120,7 @@ int decode(const char* file) {
       return 1;
     }
     if (!item->has_value()) return reader.complete() ? 0 : 1;
-    const auto* const message = std::get_if<record::McapMessage>(&**item);
-    if (!message) continue;
-    for (record::RunKind kind = 0; kind < record::kRunKinds; ++kind) {
-      record::for_run_type(kind, [&]<class T>() {
-        if (message->channel->topic != record::run_topic<T>()) return;
-        static T sample;
-        sample = T{};
-        if (!record::read_cdr(message->data, sample)) throw std::runtime_error("a sample that is none");
-        std::cout << "{\"topic\":\"" << message->channel->topic << "\",\"sequence\":" << message->sequence
-                  << ",\"log_time\":\"" << message->logged_ns << "\",\"publish_time\":\""
-                  << message->published_ns << "\",\"sample\":" << Json::of(sample) << "}\n";
-      });
-    }
+    if (const auto* const message = std::get_if<record::McapMessage>(&**item)) print_any(*message);
   }
 }
 

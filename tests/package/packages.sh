@@ -45,6 +45,7 @@ contains() {
   for path in "${@:2}"; do grep -qxF "./$path" <<<"$list" || fail "$(basename "$1") lacks $path"; done
 }
 contains "$gateway" usr/bin/motionlab-gateway usr/bin/motionlab usr/lib/systemd/system/motionlab-gateway.service \
+  usr/lib/systemd/system/motionlab-recorder.service usr/lib/systemd/system/motionlab-console.service \
   usr/lib/systemd/system/motionlab.target etc/motionlab/lab.toml usr/share/doc/motionlab-gateway/copyright
 for idl in idl/*.idl; do contains "$gateway" "usr/share/motionlab/$idl"; done
 for page in deploy/docs/*.md; do contains "$gateway" "usr/share/doc/motionlab-gateway/$(basename "$page")"; done

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The units as systemd's own judge sees them: no word of `verify`, and no more exposure than we say.
-#   units.sh FOLDER_OF_UNITS GATEWAY SIM        (the programs as they were built)
+#   units.sh FOLDER_OF_UNITS PROGRAM…        (as they were built; /usr/bin/NAME in the units)
 set -euo pipefail
-units=$1 gateway=$2 sim=$3
+units=$1
+shift
 
 if ! command -v systemd-analyze >/dev/null; then
   echo "skipped: systemd-analyze is not here (package systemd)"
@@ -11,9 +12,11 @@ fi
 
 here=$(mktemp -d)
 trap 'rm -rf "$here"' EXIT
-for unit in motionlab-gateway.service motionlab-sim.service motionlab.target; do
-  # verify looks whether the programs are there.
-  sed -e "s|/usr/bin/motionlab-gateway |$gateway |" -e "s|/usr/bin/motionlab-sim |$sim |" "$units/$unit" >"$here/$unit"
+# verify looks whether the programs are there.
+places=()
+for program in "$@"; do places+=(-e "s|/usr/bin/${program##*/} |$program |"); done
+for unit in motionlab-{gateway,sim,recorder,console}.service motionlab.target; do
+  sed "${places[@]}" "$units/$unit" >"$here/$unit"
 done
 
 status=0
@@ -36,4 +39,6 @@ exposed() {
 }
 exposed motionlab-gateway.service 12
 exposed motionlab-sim.service 12
+exposed motionlab-recorder.service 12
+exposed motionlab-console.service 12
 exit $status

@@ -1,11 +1,11 @@
-#include "gateway/monitor/sequence_ledger.hpp"
+#include "gateway/record/sequence_ledger.hpp"
 
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 #include <limits>
 
-namespace motionlab::monitor {
+namespace motionlab::record {
 namespace {
 
 SequenceLedger fed(std::initializer_list<std::uint64_t> numbers) {
@@ -57,4 +57,4 @@ TEST(SequenceLedger, BeginsAgainWhenTheStreamDoes) {
 }
 
 }  // namespace
-}  // namespace motionlab::monitor
+}  // namespace motionlab::record

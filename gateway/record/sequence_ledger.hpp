@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace motionlab::monitor {
+namespace motionlab::record {
 
 /// Fed with the numbers of one stream in the order of arrival. A number up to 63 behind the newest that has
 /// not been there is late and no longer missing; one that has been there is a repetition. One further behind,
@@ -26,4 +26,4 @@ class SequenceLedger {
   std::uint64_t heard_ = 0, missing_ = 0, late_ = 0, repeated_ = 0, restarts_ = 0;
 };
 
-}  // namespace motionlab::monitor
+}  // namespace motionlab::record

@@ -1,6 +1,6 @@
-#include "gateway/monitor/sequence_ledger.hpp"
+#include "gateway/record/sequence_ledger.hpp"
 
-namespace motionlab::monitor {
+namespace motionlab::record {
 namespace {
 
 constexpr std::uint64_t kFarAhead = 1'000'000;
@@ -44,4 +44,4 @@ void SequenceLedger::take(std::uint64_t number) noexcept {
   ++heard_;
 }
 
-}  // namespace motionlab::monitor
+}  // namespace motionlab::record
