@@ -125,7 +125,9 @@ TEST(FaultMatrix, TellsPeopleInShortTheWorstOfEachState) {
 TEST(FaultMatrix, TellsPeopleWhatCannotBeAndWhy) {
   Matrix matrix = one();
   matrix[0].cell.state = State::settled;
-  matrix[0].outcome = {.ending = Ending::cannot_be, .code = "it has no power"};
+  matrix[0].outcome = {};
+  matrix[0].outcome.ending = Ending::cannot_be;
+  matrix[0].outcome.code = "it has no power";
   EXPECT_THAT(offences(matrix), IsEmpty());
   EXPECT_THAT(to_markdown(matrix), HasSubstr("| `off` | cannot be |\n\n`off`: it has no power.\n"));
 }
