@@ -24,6 +24,9 @@ namespace {
 namespace fast = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
+/// A reader that does not answer holds nobody up for longer.
+const eprosima::fastrtps::Duration_t kPatience{1, 0};
+
 /// Works on `Tapped<T>`, for writers only. The sample is there for its key; what is sent are the bytes.
 template <class T>
 class RepeatSupport final : public TypeSupport<T> {
@@ -45,6 +48,8 @@ class Voice : public fast::DataWriterListener {
  public:
   virtual bool create(fast::DomainParticipant& participant) = 0;
   virtual bool say(std::span<const std::byte> cdr) = 0;
+  /// Until reliable readers have all that was said to them, or patience ends.
+  virtual void wait_until_heard() = 0;
 
   [[nodiscard]] std::size_t readers() const noexcept {
     return static_cast<std::size_t>(std::max(readers_.load(std::memory_order_relaxed), 0));
@@ -84,6 +89,8 @@ class VoiceOf final : public Voice {
     return sample_.refusal == Refusal::none && writer_->write(static_cast<Carried<T>*>(&sample_));
   }
 
+  void wait_until_heard() override { writer_->wait_for_acknowledgments(kPatience); }
+
  private:
   fast::DataWriter* writer_ = nullptr;
   Tapped<T> sample_;
@@ -109,6 +116,9 @@ struct DdsRepeater::Impl {
     }
   }
   ~Impl() {
+    for (const auto& voice : voices) {
+      if (voice) voice->wait_until_heard();
+    }
     delete_participant(participant);
   }
   Impl(const Impl&) = delete;

@@ -17,6 +17,7 @@ class DdsRepeater {
   /// @param topics  rows of `kTopicList`
   /// @throws StartupError  as DdsBus
   DdsRepeater(const DdsConfig& config, const std::vector<std::size_t>& topics);
+  /// Waits, for a second a topic at most, until reliable readers have what was said.
   ~DdsRepeater();
   DdsRepeater(const DdsRepeater&) = delete;
   DdsRepeater& operator=(const DdsRepeater&) = delete;

@@ -49,12 +49,13 @@ constexpr Case kCases[] = {
     {{6.3, 0.3}, 1, 8},    {{40, 0.9}, 0.2, 0.5},
 };
 
-/// Reverses in the rhythm of the ringing.
+/// Reverses in the rhythm of the ringing, and lets the last reversal ring undisturbed.
 double rhythm(const Case& c) {
   Joint joint(c.loop, c.acceleration_max);
   const double half_s = std::numbers::pi / (c.loop.omega_radps * std::sqrt(1 - c.loop.zeta * c.loop.zeta));
-  for (int i = 0; i * kStep_s < 24 * half_s; ++i) {
-    const bool up = static_cast<int>(i * kStep_s / half_s) % 2 == 0;
+  constexpr int kReversals = 24;
+  for (int i = 0; i * kStep_s < (kReversals + 3) * half_s; ++i) {
+    const bool up = std::min(static_cast<int>(i * kStep_s / half_s), kReversals) % 2 == 0;
     joint.step(up ? c.speed_max : -c.speed_max);
   }
   return joint.fastest() / c.speed_max;

@@ -26,7 +26,7 @@ constexpr Endpoint kUnit{0x7F000001, 50013};
 
 TEST(CheckMru, KnowsEveryFormatAndDecodesASample) {
   for (const mru::Golden& golden : mru::all_golden()) {
-    MruStream stream{mru::VariableList::laboratory()};
+    MruStream stream{golden.layout.variables};
     for (int i = 0; i < 25; ++i) stream.take(golden.bytes, kUnit, from_ns(5'000'000 * i));
     EXPECT_EQ(stream.detector().format(), golden.format);
     EXPECT_NEAR(stream.rate_hz(), 200.0, 1e-9);
