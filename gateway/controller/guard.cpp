@@ -203,6 +203,12 @@ GuardedCommand Guard::step(const Inputs& in) {
   return out;
 }
 
+void Guard::forget_command() {
+  last_ = {};
+  last_qdd_radps2_ = {};
+  under_way_ = {};
+}
+
 bool Guard::at_rest() const {
   return last_.wire_speed_mps == 0 &&
          std::all_of(last_.qd_radps.begin(), last_.qd_radps.end(), [](double v) { return v == 0; });

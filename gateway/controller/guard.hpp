@@ -84,6 +84,10 @@ class Guard {
 
   GuardedCommand step(const Inputs& inputs);
 
+  /// Nothing of the last command is in force any more: others have braked arm and winch meanwhile. The next
+  /// step begins at rest; what was counted stays.
+  void forget_command();
+
   /// Whether the last command asks nothing to move.
   [[nodiscard]] bool at_rest() const;
   /// Steps in which the guard changed something that a permitted wish asked for.

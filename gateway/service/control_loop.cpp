@@ -95,10 +95,10 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
-  // By now the drivers have braked arm and winch by themselves: nothing of the last command is in force, and
-  // what rests is not taken up again to be braked once more.
+  // By now the drivers brake arm and winch by themselves: nothing of the last command is in force, and what
+  // rests is not taken up again to be braked once more.
   if (dt > std::max(config_.comau.driver.command_stale_after_s, config_.winch.driver.command_stale_after_s)) {
-    guard_ = controller::Guard(config_.limits);
+    guard_.forget_command();
   }
   take_requests(inputs);
   const Snapshot& now = newest_.take(inputs);

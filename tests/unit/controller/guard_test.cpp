@@ -335,6 +335,22 @@ TEST(Guard, AWithdrawnPermissionBrakesEveryJointAtTheStopDeceleration) {
   b.expect_rest();
 }
 
+TEST(Guard, ForgetsACommandThatOthersHaveBrakedAndKeepsItsCount) {
+  Bench b;
+  b.wish_all(1, 0.2);
+  for (int i = 0; i < 400; ++i) b.step();
+  const auto count = b.dut.changed_count();
+  ASSERT_GT(count, 0u);
+  b.dut.forget_command();
+  EXPECT_TRUE(b.dut.at_rest());
+  EXPECT_EQ(b.dut.changed_count(), count);
+  b.in.may_move = false;
+  const GuardedCommand next = b.dut.step(b.in);
+  EXPECT_FALSE(next.follow) << "nothing is taken up again to be braked";
+  EXPECT_EQ(next.qd_radps, (std::array<double, 6>{}));
+  EXPECT_EQ(next.wire_speed_mps, 0.0);
+}
+
 TEST(Guard, ATenthOfTheAuthorityIsATenthOfSpeedAndAcceleration) {
   Bench b;
   b.in.authority = 0.1;
