@@ -21,8 +21,11 @@ constexpr double kListen_s = 1.0;
 /// Ages beyond this share of their limit are said before they stop a run.
 constexpr double kNearlyStale = 0.8;
 
+/// "200.0 Hz, oldest 7.4 of 25.0 ms"; the control thread's own row has no limit of age.
 std::string ages(const topic::Health& health) {
-  return fixed(health.rate_hz, 1) + " Hz, oldest " + fixed(1e3 * health.age_max_s, 1) + " of " +
+  const std::string rate = fixed(health.rate_hz, 1) + " Hz";
+  if (health.stale_after_s <= 0) return rate;
+  return rate + ", oldest " + fixed(1e3 * health.age_max_s, 1) + " of " +
          fixed(1e3 * health.stale_after_s, 1) + " ms";
 }
 

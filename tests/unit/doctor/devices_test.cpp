@@ -39,6 +39,13 @@ TEST(DoctorsDevices, ThatAreWellPass) {
   EXPECT_THAT(find(findings, "mru1")->text, HasSubstr("200.0 Hz, oldest 8.0 of 25.0 ms"));
 }
 
+TEST(DoctorsDevices, TheControlThreadHasARateAndNoAge) {
+  auto status = ready();
+  status.devices[0].device = "gateway";
+  status.devices[0].stale_after_s = 0;
+  EXPECT_EQ(find(judge(status), "gateway")->text, "200.0 Hz");
+}
+
 TEST(DoctorsDevices, WhatIsNotUpFailsWhenItIsRequiredAndBringsItsAdvice) {
   auto status = ready();
   status.devices[0].link = topic::LinkState::down;
