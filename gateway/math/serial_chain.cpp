@@ -187,10 +187,7 @@ InverseResult<N> SerialChain<N>::inverse(const RigidTransform& X_RT, const Joint
 }
 
 template class SerialChain<1>;
-template class SerialChain<2>;
 template class SerialChain<3>;
-template class SerialChain<4>;
-template class SerialChain<5>;
 template class SerialChain<6>;
 
 }  // namespace motionlab::math

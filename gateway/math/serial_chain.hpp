@@ -93,10 +93,7 @@ class SerialChain {
 };
 
 extern template class SerialChain<1>;
-extern template class SerialChain<2>;
 extern template class SerialChain<3>;
-extern template class SerialChain<4>;
-extern template class SerialChain<5>;
 extern template class SerialChain<6>;
 
 }  // namespace motionlab::math

@@ -76,17 +76,18 @@ TEST(Kalman, ConstantIsTheMeanOfItsMeasurements) {
 TEST(Kalman, UpdateIsTheInformationFormOfADenseReference) {
   Random random(2);
   for (int trial = 0; trial < 200; ++trial) {
-    auto dut = random_state<7>(random);
-    const auto H = random_matrix<3, 7>(random);
-    const auto root = random_matrix<3, 3>(random);
-    const Eigen::Matrix3d R = root * root.transpose() + 0.1 * Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d z = random_matrix<3, 1>(random);
+    auto dut = random_state<10>(random);
+    const auto H = random_matrix<5, 10>(random);
+    const auto root = random_matrix<5, 5>(random);
+    const Eigen::Matrix<double, 5, 5> R = root * root.transpose() + 0.1 * MatrixXd::Identity(5, 5);
+    const auto z = random_matrix<5, 1>(random);
     // P⁺ = (P⁻¹ + HᵀR⁻¹H)⁻¹, x⁺ = P⁺ (P⁻¹x + HᵀR⁻¹z): shares no step with the gain form.
-    const MatrixXd P = (dut.P.inverse() + H.transpose() * R.inverse() * H).inverse();
-    const MatrixXd x = P * (dut.P.inverse() * dut.x + H.transpose() * R.inverse() * z);
-    const Eigen::Vector3d innovation = z - H * dut.x;
-    const Eigen::Matrix3d S = H * dut.P * H.transpose() + R;
-    const auto done = update<7, 3>(dut, H, innovation, R);
+    const MatrixXd P0 = dut.P, R0 = R, H0 = H;
+    const MatrixXd P = (P0.inverse() + H0.transpose() * R0.inverse() * H0).inverse();
+    const MatrixXd x = P * (P0.inverse() * dut.x + H0.transpose() * R0.inverse() * z);
+    const Eigen::Matrix<double, 5, 1> innovation = z - H * dut.x;
+    const MatrixXd S = H0 * P0 * H0.transpose() + R0;
+    const auto done = update<10, 5>(dut, H, innovation, R);
     ASSERT_TRUE(done);
     EXPECT_LT((dut.P - P).norm(), 1e-9 * P.norm());
     EXPECT_LT((dut.x - x).norm(), 1e-9 * (1 + x.norm()));
@@ -99,13 +100,13 @@ TEST(Kalman, UpdateIsTheInformationFormOfADenseReference) {
 TEST(Kalman, RowByRowEqualsAllAtOnce) {
   Random random(3);
   for (int trial = 0; trial < 200; ++trial) {
-    auto one = random_state<9>(random);
+    auto one = random_state<10>(random);
     auto other = one;
-    const auto H = random_matrix<4, 9>(random);
-    const Eigen::Vector4d innovation = random_matrix<4, 1>(random),
-                          variances = random_matrix<4, 1>(random).cwiseAbs2().array() + 0.01;
-    ASSERT_TRUE((update<9, 4>(one, H, innovation, Eigen::Matrix4d(variances.asDiagonal()))));
-    EXPECT_EQ((update_row_by_row<9, 4>(other, H, innovation, variances)), 4);
+    const auto H = random_matrix<5, 10>(random);
+    const auto innovation = random_matrix<5, 1>(random);
+    const Eigen::Matrix<double, 5, 1> variances = random_matrix<5, 1>(random).cwiseAbs2().array() + 0.01;
+    ASSERT_TRUE((update<10, 5>(one, H, innovation, variances.asDiagonal())));
+    EXPECT_EQ((update_row_by_row<10, 5>(other, H, innovation, variances)), 5);
     EXPECT_LT((one.x - other.x).norm(), 1e-11 * (1 + one.x.norm()));
     EXPECT_LT((one.P - other.P).norm(), 1e-11 * one.P.norm());
   }
@@ -149,13 +150,13 @@ TEST(Kalman, RefusesWhatIsNotFiniteOrHasNoVariance) {
 
 TEST(Kalman, PredictionIsTheDenseFormula) {
   Random random(5);
-  auto dut = random_state<6>(random);
+  auto dut = random_state<10>(random);
   const auto before = dut;
-  const auto F = random_matrix<6, 6>(random);
-  const Eigen::Matrix<double, 6, 1> b = random_matrix<6, 1>(random);
-  const auto root = random_matrix<6, 6>(random);
-  const Eigen::Matrix<double, 6, 6> Q = root * root.transpose();
-  predict<6>(dut, F, b, Q);
+  const auto F = random_matrix<10, 10>(random);
+  const auto b = random_matrix<10, 1>(random);
+  const auto root = random_matrix<10, 10>(random);
+  const Eigen::Matrix<double, 10, 10> Q = root * root.transpose();
+  predict<10>(dut, F, b, Q);
   EXPECT_LT((dut.x - (F * before.x + b)).norm(), 1e-13);
   EXPECT_LT((dut.P - (F * before.P * F.transpose() + Q)).norm(), 1e-12 * dut.P.norm());
   EXPECT_EQ(dut.P, dut.P.transpose());
