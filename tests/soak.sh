@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What takes hours: every fuzzer for ten million executions, floods in earnest, and the laboratory over many seeds.
-#   tests/soak.sh [--runs N] [--seeds N] [--only flood|fuzz|lab|study]
+#   tests/soak.sh [--runs N] [--seeds N] [--only deadman|engagement|flood|fuzz|lab|recording|study]
 #     --runs N    executions of each fuzzer (10000000)
 #     --seeds N   seeds of each scenario in lockstep (20); a tenth as many, at least one, on real sockets
 # After tests/run.sh, whose packages and builds it needs. Logs are in build/soak-log.
@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 runs=10000000 seeds=20 only=''
 while (($#)); do
   case $1:${2:-} in
-    --runs:[1-9]* | --seeds:[1-9]* | --only:flood | --only:fuzz | --only:lab | --only:study)
+    --runs:[1-9]* | --seeds:[1-9]* | --only:deadman | --only:engagement | --only:flood | --only:fuzz | --only:lab | --only:recording | --only:study)
       declare "${1#--}=$2"
       shift 2
       ;;
@@ -54,7 +54,21 @@ run_lab() { # SEED
   deploy/lab.sh --headless --seconds 600 --scenario sea --seed "$1" --report "$logs/lab.json" && still "$logs/lab.json"
 }
 
+# How late this machine wakes any thread that sleeps until a beat, as a stranger measures it.
+wake_ups() {
+  if ! command -v cyclictest >/dev/null; then
+    echo "cyclictest is not installed (Debian: rt-tests): nothing to compare our wake-ups with"
+    return 0
+  fi
+  cyclictest --quiet --mlockall --priority=50 --interval=1000 --duration=60 --histogram=1000 ||
+    cyclictest --quiet --policy=other --interval=1000 --duration=60 --histogram=1000
+}
+
 step "fuzz" tests/fuzz/run.sh --runs "$runs"
+step "engagement of half an hour" build/release/tests/bench/long_run
+step "engagement's own machine" wake_ups
+step "deadman of a hardened arm" build/release/tests/bench/deadman_kills --kills 100
+step "deadman of a faithful arm" build/release/tests/bench/deadman_kills --kills 100 --robot faithful
 step "recording to a RAM disk" build/release/tests/bench/bench_recording
 step "flood of the bus" build/release/tests/bench/bench_bus_flood
 step "flood of datagrams" build/release/tests/bench/bench_datagram_flood

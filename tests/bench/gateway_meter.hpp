@@ -113,13 +113,15 @@ class GatewayMeter {
   /// So many steps are looked at in a stretch.
   static constexpr std::size_t kFewest = 200;
 
- private:
+  /// The next to be told, within a second or two.
   topic::Timing next_timing() {
     const std::uint64_t seen = timing_.newest().value_or(topic::Timing{}).sequence_number;
     (void)integration::eventually(
         [&] { return timing_.newest().value_or(topic::Timing{}).sequence_number != seen; }, kPatience);
     return timing_.newest().value_or(topic::Timing{});
   }
+
+ private:
   void take_steps(Stretch& stretch) {
     while (const auto control = control_.next()) {
       stretch.step_cpu_us.push_back(control->step_cpu_us);

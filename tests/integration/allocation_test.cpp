@@ -1,6 +1,7 @@
-// A control step takes nothing from the heap, whatever the mode.
+// Neither a control step nor a driver takes anything from the heap, once it is under way.
 #include <gtest/gtest.h>
 
+#include "tests/integration/counted_network.hpp"
 #include "tests/integration/taken_apart.hpp"
 #include "tests/support/allocations.hpp"
 
@@ -52,6 +53,38 @@ TEST(Allocation, NoControlStepTakesAnythingFromTheHeap) {
     ASSERT_TRUE(line.lab().set_fault("qualisys", "occlude", true));
     EXPECT_EQ(counted.during(5), 0U) << "blind";
   }
+}
+
+TEST(Allocation, NoDriverTakesAnythingFromTheHeapWhileItHearsAndCommands) {
+  const auto config = configure("thesis-wave");
+  SteppedClock clock;
+  MemoryNetwork wires(clock);
+  lab::SimulatedLab lab(config.lab, wires, LabTime{});
+  CountedNetwork network(wires);
+  bus::LocalBus bus;
+  service::ArmSchedule schedule;
+  service::Devices devices(config.gateway, network, bus, schedule);
+  service::ControlLoop control(config.gateway, bus, schedule);
+  auto requests = bus.advertise<topic::ModeRequest>();
+  const auto run_to = [&](double t_s) {
+    for (LabTime t = clock.now(); t < LabTime{from_seconds(t_s)}; t += 1ms) {
+      wires.run_until(t);
+      lab.step(t);
+      wires.deliver_due(t);
+      network.count([&] { devices.step(t); });
+      control.step(t);
+    }
+  };
+  run_to(5);  // connections, lists of bodies, symbols, handles
+  topic::ModeRequest request;
+  request.requester = "test";
+  request.action = ModeAction::engage;
+  requests.publish(request);
+  const std::size_t before = network.taken();
+  run_to(15);
+  EXPECT_EQ(network.taken() - before, 0U);
+  EXPECT_EQ(bus.reader<topic::Mode>().newest().value_or(topic::Mode{}).state, ModeState::engaged);
+  EXPECT_GT(before, 0U) << "the drivers were watched";
 }
 
 TEST(Allocation, TheCounterCounts) {

@@ -1,2 +1,0 @@
-// A program that only carries the precompiled header of the tests.
-int main() { return 0; }
