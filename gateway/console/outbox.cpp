@@ -16,6 +16,7 @@ std::size_t size_of(const Parcel& parcel) {
 
 void Outbox::push(Parcel parcel) {
   const bool full = bytes_ + size_of(parcel) > limit_;
+  bytes_ += size_of(parcel);
   if (full || (newest_only_ && !parcel.every_counts)) {
     const auto older = std::ranges::find(parcels_, parcel.slot, &Parcel::slot);
     if (older != parcels_.end()) {
@@ -24,10 +25,13 @@ void Outbox::push(Parcel parcel) {
         ++newly_missed_[older->channel];
       }
       bytes_ -= size_of(*older);
+      if (std::ranges::find(older + 1, parcels_.end(), parcel.slot, &Parcel::slot) == parcels_.end()) {
+        *older = std::move(parcel);
+        return;
+      }
       parcels_.erase(older);
     }
   }
-  bytes_ += size_of(parcel);
   parcels_.push_back(std::move(parcel));
 }
 

@@ -12,7 +12,7 @@ export const seconds = s => !Number.isFinite(s) ? '–' : s < 1 ? `${(1000 * s).
 // What to say of a device: its health's own word, unless its health is old or its age nears the limit.
 export function condition(health, age) {
   if (age > silentAfterS) return 'unheard';
-  if (health.link === 'up' && health.age_s > 0.6 * health.stale_after_s) return 'late';
+  if (health.link === 'up' && health.stale_after_s > 0 && health.age_s > 0.6 * health.stale_after_s) return 'late';
   return health.link;
 }
 
@@ -42,7 +42,9 @@ export class HealthBoard {
     tile.lost.textContent = health.lost.toString();
     const rejected = health.rejected.reduce((sum, count) => sum + count, 0n);
     tile.rejected.textContent = rejected.toString();
-    tile.meter.value = Math.min(dead ? 1 : Math.max(health.age_s, 0) / health.stale_after_s, 1);
+    // Who has no limit, as the gateway itself, has nothing to be measured against.
+    const share = health.stale_after_s > 0 ? Math.max(health.age_s, 0) / health.stale_after_s : 0;
+    tile.meter.value = dead ? 1 : Math.min(share, 1);
     const why = health.rejected.map((count, i) => count > 0n ? `${reasons[i] ?? i} ${count}` : '').filter(Boolean).join(', ');
     tile.advice.textContent = now === 'unheard' ? `Nothing was heard of it for ${seconds(age)}: is the gateway running?`
         : health.advice || (why && `rejected: ${why}`);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <set>
 #include <vector>
 
 namespace motionlab::console {
@@ -37,6 +38,18 @@ TEST(Outbox, NeverForgetsASlotThatIsSeldomForOneThatIsOften) {
   outbox.push(parcel(30, -1));
   for (int i = 0; i < 10'000; ++i) outbox.push(parcel(10, i));
   EXPECT_EQ(outbox.pop()->slot, 30U);
+}
+
+TEST(Outbox, GivesEachSlotItsTurnToAClientThatReadsSlowly) {
+  Outbox outbox{100'000, true};
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < 60; ++i) {
+    for (std::uint32_t slot = 0; slot < 20; ++slot) outbox.push(parcel(slot, i));
+    const auto first = outbox.pop();
+    EXPECT_EQ(first->t_ns, i) << "the newest of it";
+    seen.insert(first->slot);
+  }
+  EXPECT_EQ(seen.size(), 20U);
 }
 
 TEST(Outbox, IsBoundedAlsoForWhatEveryOneOfCounts) {
