@@ -10,6 +10,8 @@ install(FILES ${MOTIONLAB_DEPLOY}/systemd/motionlab-gateway.service ${MOTIONLAB_
 install(FILES ${MOTIONLAB_DEPLOY}/config/lab.toml DESTINATION /etc/motionlab COMPONENT gateway EXCLUDE_FROM_ALL)
 install(DIRECTORY ${MOTIONLAB_DEPLOY}/docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/motionlab-gateway COMPONENT gateway
         FILES_MATCHING PATTERN *.md)
+install(PROGRAMS ${MOTIONLAB_DEPLOY}/security/identities.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/motionlab/security
+        COMPONENT gateway)
 install(DIRECTORY ${MOTIONLAB_DEPLOY}/plc DESTINATION ${CMAKE_INSTALL_DATADIR}/motionlab COMPONENT gateway)
 
 install(FILES ${MOTIONLAB_DEPLOY}/systemd/motionlab-sim.service DESTINATION ${MOTIONLAB_UNITS} COMPONENT sim)
@@ -49,7 +51,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME motionlab-gateway)
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_GATEWAY_PACKAGE_SUGGESTS "motionlab-sim, nftables")
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_SUGGESTS "motionlab-sim, nftables, openssl, fastdds-tools")
 set(CPACK_COMPONENT_GATEWAY_DESCRIPTION
 "gateway between a ship-motion laboratory's devices and a controller
 Speaks the wire protocols of motion reference units, a camera system, a crane

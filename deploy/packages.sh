@@ -19,6 +19,8 @@ test=(
   cyclonedds-dev cyclonedds-tools # a stranger on the bus
   nodejs/node npm/npm             # strangers' clients
   chromium                        # looks at the console's page
+  fastdds-tools/fast-discovery-server # knows everybody
+  openssl                         # identities of DDS Security
   tshark                          # a stranger's dissector
   clang-14 libclang-rt-14-dev     # libFuzzer
   liborocos-kdl-dev               # other people's kinematics

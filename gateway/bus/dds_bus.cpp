@@ -246,9 +246,11 @@ struct DdsBus::Impl {
     Direction& direction = *link;
     links.emplace_back(Traits::name, std::move(link));  // kept also on failure: listeners outlive endpoints
     if (!topic || !create(direction, *topic, shape, std::string{Traits::partition})) {
-      throw StartupError{
-          "DDS refuses the topic " + name +
-          ": its quality of service contradicts itself or memory is short; the log of Fast DDS says more"};
+      throw StartupError{"DDS refuses the topic " + name +
+                         (config.security.empty()
+                              ? ": its quality of service contradicts itself or memory is short; the log of "
+                                "Fast DDS says more"
+                              : ": the permissions in " + config.security + " do not allow it")};
     }
   }
 

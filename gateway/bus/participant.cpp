@@ -16,13 +16,14 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include "drivers/core/error.hpp"
+#include "gateway/bus/discovery.hpp"
+#include "gateway/bus/security.hpp"
 #include "gateway/bus/type_support.hpp"
 
 namespace motionlab::bus {
 namespace {
 
 namespace fast = eprosima::fastdds::dds;
-using eprosima::fastrtps::Duration_t;
 
 constexpr int kMaxDomain = 232;  // beyond it the port numbers end
 
@@ -84,14 +85,20 @@ void check(const DdsConfig& config) {
   qos.transport().use_builtin_transports = false;
   const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = config.interface_whitelist;
+  udp->maxInitialPeersRange = kParticipantsOfAHost;
   qos.transport().user_transports.push_back(udp);
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  // The defaults let one start in ten wait three seconds for its peers, and a killed peer live on for twenty.
-  discovery.initial_announcements.count = 30;
-  discovery.initial_announcements.period = Duration_t{0.05L};
-  discovery.leaseDuration = Duration_t{2.0L};
-  discovery.leaseDuration_announcementperiod = Duration_t{0.6L};
+  set_discovery(qos, config,
+                config.interface_whitelist.empty() ? addresses_of_this_host() : config.interface_whitelist);
+  if (!config.security.empty()) set_security(qos, config.security);
   return qos;
+}
+
+std::string why_not_started(const DdsConfig& config) {
+  std::string text = "DDS did not start on domain " + std::to_string(config.domain) +
+                     ": see whether other programs use up its UDP ports, or choose another [bus] domain";
+  if (config.security.empty()) return text;
+  return text + "; or see whether the identity in " + config.security +
+         " has expired or was not made by its own authority.pem: Fast DDS says above what it refuses";
 }
 
 }  // namespace
@@ -105,8 +112,7 @@ fast::DomainParticipant* create_participant(const DdsConfig& config,
           static_cast<std::uint32_t>(config.domain), participant_qos(config), listener,
           fast::StatusMask::none());
   if (!participant) {
-    throw StartupError{"DDS did not start on domain " + std::to_string(config.domain) +
-                       ": see whether other programs use up its UDP ports, or choose another [bus] domain"};
+    throw StartupError{why_not_started(config)};
   }
   return participant;
 }

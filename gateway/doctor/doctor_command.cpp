@@ -46,6 +46,11 @@ Findings examine(const DoctorCommand& command, const monitor::Connection& connec
   monitor::Connection gateway = connection;
   gateway.domain = config.bus.domain;
   if (gateway.interfaces.empty()) gateway.interfaces = config.bus.interface_whitelist;
+  if (gateway.peers.empty() && gateway.server.empty()) {
+    gateway.peers = config.bus.peers;
+    gateway.server = config.bus.server;
+  }
+  if (gateway.security.empty()) gateway.security = config.bus.security;
   try {
     const auto status = monitor::hear_status(gateway, interrupted);
     if (status.nobody()) {

@@ -133,24 +133,27 @@ std::vector<const Interface*> used(const Network& network, const service::Gatewa
   return all;
 }
 
-void judge_interface(const Interface& interface, Findings& say) {
+/// @param by_multicast  DDS programs of other hosts are found by it
+void judge_interface(const Interface& interface, bool by_multicast, Findings& say) {
   const std::string subject = "interface " + interface.name;
   if (!interface.up) {
     say.push_back(
         {Grade::fail, subject, "is down, or without a cable", "ip link set " + interface.name + " up"});
     return;
   }
-  if (!interface.multicast) {
+  if (!interface.multicast && by_multicast) {
     say.push_back({Grade::warn, subject, "carries no multicast: DDS programs of other hosts are not found",
-                   "ip link set " + interface.name + " multicast on"});
+                   "ip link set " + interface.name + " multicast on; or name [bus] peers, or a server"});
   }
   if (interface.held_back_us.value_or(0) > kHeldBackTooLong_us) {
     say.push_back({Grade::warn, subject,
                    "holds datagrams back for " + std::to_string(*interface.held_back_us) + " us",
                    "ethtool -C " + interface.name + " adaptive-rx off rx-usecs 0"});
-  } else if (interface.multicast) {
-    say.push_back(
-        {Grade::pass, subject, "up, with multicast, at " + address_to_string(interface.address), ""});
+  } else if (interface.multicast || !by_multicast) {
+    say.push_back({Grade::pass, subject,
+                   std::string{"up, with"} + (interface.multicast ? "" : "out") + " multicast, at " +
+                       address_to_string(interface.address),
+                   ""});
   }
 }
 
@@ -203,7 +206,9 @@ Findings judge(const Network& network, const service::GatewayConfig& config) {
                      "give addresses of this host, or [] for all"});
     }
   }
-  for (const Interface* const interface : used(network, config)) judge_interface(*interface, say);
+  const bool by_multicast = config.bus.peers.empty() && config.bus.server.empty();
+  for (const Interface* const interface : used(network, config))
+    judge_interface(*interface, by_multicast, say);
   for (const Door& door : doors(config)) say.push_back(judge_door(network, door));
   return say;
 }

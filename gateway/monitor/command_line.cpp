@@ -72,6 +72,19 @@ void add_common(CLI::App& app, Chosen& chosen) {
                  "address of this host to use for DDS; may be given several times (all interfaces)")
       ->allow_extra_args(false)
       ->envname("MOTIONLAB_INTERFACE");
+  CLI::Option* const peers =
+      app.add_option("--peer", chosen.connection.peers,
+                     "address of another host, where multicast does not go; several with commas")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->envname("MOTIONLAB_PEER");
+  app.add_option("--server", chosen.connection.server, "address:port of the discovery server of this bus")
+      ->excludes(peers)
+      ->envname("MOTIONLAB_SERVER");
+  app.add_option("--security", chosen.connection.security,
+                 "folder with your identity, where the bus is protected")
+      ->type_name("FOLDER")
+      ->envname("MOTIONLAB_SECURITY");
   app.add_option("--timeout", chosen.connection.timeout_s, "seconds to wait for an answer (5)")
       ->check(CLI::Range(0.0, 3600.0));
   app.add_flag("--json", chosen.json, "answer in JSON on standard output");

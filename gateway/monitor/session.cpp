@@ -14,6 +14,9 @@ bus::DdsConfig dds_config(const Connection& connection, bool join_truth) {
   config.interface_whitelist = connection.interfaces;
   config.participant = "motionlab";
   config.join_truth = join_truth;
+  config.peers = connection.peers;
+  config.server = connection.server;
+  config.security = connection.security;
   return config;
 }
 
@@ -28,6 +31,9 @@ std::string nobody_answers(const Connection& connection, double waited_s) {
     where += "interface";
     for (const std::string& address : connection.interfaces) where += " " + address;
   }
+  for (const std::string& peer : connection.peers) where += ", peer " + peer;
+  if (!connection.server.empty()) where += ", by the discovery server " + connection.server;
+  if (!connection.security.empty()) where += ", with the identity in " + connection.security;
   return "nobody answers on " + where + " within " + fixed(waited_s, 1) +
          " s: is motionlab-gateway running, and in this domain and on this network? (--domain, --interface; "
          "a gateway started by lab.sh is at --interface 127.0.0.1)";

@@ -28,7 +28,10 @@ enum ExitCode : int {
 struct Connection {
   int domain = 42;
   std::vector<std::string> interfaces;  ///< addresses of this host; empty: all of them
-  double timeout_s = 5;                 ///< how long to wait for an answer
+  std::vector<std::string> peers;       ///< addresses of other hosts; empty: they are found by multicast
+  std::string server;                   ///< address:port of a discovery server; empty: none
+  std::string security;  ///< folder with an identity of DDS Security; empty: nothing is protected
+  double timeout_s = 5;  ///< how long to wait for an answer
 };
 
 /// Where a command writes and how it learns that the user has had enough.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <sstream>
 
 #include "drivers/core/error.hpp"
 #include "drivers/core/toml_reader.hpp"
@@ -177,6 +176,30 @@ WinchLink winch_link(const TomlTable& root) {
   return link;
 }
 
+/// An older file knows multicast alone.
+bus::DdsConfig dds_config(const TomlTable& root) {
+  const TomlTable t = root.table("bus");
+  bus::DdsConfig dds;
+  dds.domain = static_cast<int>(t.integer("domain", {0, 232}));
+  dds.interface_whitelist = t.texts("interfaces");
+  dds.participant = t.text("participant");
+  dds.peers = t.texts_or("peers", {});
+  for (const std::string& peer : dds.peers) {
+    try {
+      (void)Endpoint::parse_address(peer);
+    } catch (const StartupError& error) {
+      t.fail("peers", error.what());
+    }
+  }
+  dds.server = t.text_or("server", "");
+  if (!dds.server.empty()) (void)t.endpoint("server");
+  if (!dds.server.empty() && !dds.peers.empty()) t.fail("server", "there are peers, too; choose one of them");
+  dds.security = t.text_or("security", "");
+  if (!dds.server.empty() && !dds.security.empty())
+    t.fail("security", "a discovery server has no identity; name peers, or use multicast");
+  return dds;
+}
+
 DeadmanRule deadman_rule(const TomlTable& root) {
   const TomlTable t = root.table("deadman");
   return {t.number("heartbeat_s", {0.01, 2.0}), t.number("control_s", {0.02, 5.0})};
@@ -329,10 +352,7 @@ GatewayConfig read(const TomlDocument& document) {
   const bool tracked =
       control.choice("platform", {"tracked", "untracked"}) == 0;  // taken below, by all it concerns
 
-  const TomlTable bus = root.table("bus");
-  config.bus.domain = static_cast<int>(bus.integer("domain", {0, 232}));
-  config.bus.interface_whitelist = bus.texts("interfaces");
-  config.bus.participant = bus.text("participant");
+  config.bus = dds_config(root);
 
   config.mrus = {mru_link(root, "mru1"), mru_link(root, "mru2")};
   config.qualisys = qualisys_link(root);
@@ -408,38 +428,6 @@ void GatewayConfig::set_platform_tracked(bool tracked) {
   belief.use_platform_body = tracked;
   qualisys.driver.bodies = {qualisys.load_body};
   if (tracked) qualisys.driver.bodies.push_back(qualisys.platform_body);
-}
-
-std::string wiring(const GatewayConfig& config) {
-  std::ostringstream out;
-  const auto line = [&out](const std::string& who, const std::string& what) {
-    out << "  " << who << '\t' << what << '\n';
-  };
-  for (const auto& mru : config.mrus) {
-    line(mru.driver.device, "listens on udp " + to_string(mru.listen) + ", hears " +
-                                address_to_string(mru.driver.source_address) + " (" +
-                                std::string{to_string(mru.driver.format)} + ")" +
-                                (mru.rule.required ? ", required" : ""));
-  }
-  line(config.qualisys.driver.device, "calls tcp " + to_string(config.qualisys.server) +
-                                          ", frames come to udp " + to_string(config.qualisys.listen) +
-                                          (config.qualisys.rule.required ? ", required" : ""));
-  line(config.comau.driver.device, "sends udp from " + to_string(config.comau.listen) + " to " +
-                                       to_string(config.comau.driver.robot_computer) + ", required");
-  line(config.winch.driver.device, "calls tcp " + to_string(config.winch.plc) + " (ADS " +
-                                       winch::to_string(config.winch.driver.target.net_id) + "), required");
-  const auto milliseconds = [](double s) { return std::to_string(std::lround(1e3 * s)) + " ms"; };
-  line("deadman",
-       "brakes the arm from the same port and settles the winch when the gateway is gone; ends it "
-       "first when io is silent for " +
-           milliseconds(config.deadman.heartbeat_s) + " or control for " +
-           milliseconds(config.deadman.control_s));
-  std::string interfaces;
-  for (const auto& address : config.bus.interface_whitelist) interfaces += ' ' + address;
-  line("bus", "DDS domain " + std::to_string(config.bus.domain) + " on" +
-                  (interfaces.empty() ? std::string(" all interfaces") : interfaces));
-  for (const auto& note : config.notes) line("note", note);
-  return out.str();
 }
 
 }  // namespace motionlab::service

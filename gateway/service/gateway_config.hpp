@@ -129,7 +129,4 @@ GatewayConfig load_gateway_config(const std::filesystem::path& file,
 /// Reads one whole text, such as the effective configuration of a recording. @throws StartupError likewise
 GatewayConfig parse_gateway_config(const TomlText& text);
 
-/// Who listens where and who is spoken to, one line each, for people.
-[[nodiscard]] std::string wiring(const GatewayConfig& config);
-
 }  // namespace motionlab::service

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "drivers/core/error.hpp"
+#include "gateway/service/wiring.hpp"
 #include "tests/integration/line.hpp"
 
 namespace motionlab::integration {
@@ -188,6 +189,39 @@ TEST(Configuration, WiringNamesEveryDeviceItsAddressAndWhatIsRequired) {
     EXPECT_THAT(text, HasSubstr(words));
   }
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 7) << text;
+}
+
+TEST(Configuration, TheDrawingHasEveryEndOfEveryWire) {
+  const auto config = load_gateway_config(config_file("lab.toml"));
+  EXPECT_EQ(service::wiring_drawing(config),
+            R"(                                          ┌─ motionlab-gateway ─┐
+  mru1      192.168.90.13         ──udp─▶ │ 0.0.0.0:50043       │
+  mru2      192.168.90.14         ──udp─▶ │ 0.0.0.0:50044       │
+  qualisys  192.168.90.16:22223   ◀─tcp─▶ │ any port            │
+            192.168.90.16         ──udp─▶ │ 0.0.0.0:50199       │
+  arm       192.168.90.32:50032   ◀─udp─▶ │ 192.168.90.42:50042 │
+  winch     192.168.90.150:48898  ◀─tcp─▶ │ any port            │
+                                          └──┬──────────────────┘
+                                             └─ DDS domain 42 on all interfaces, others are found by multicast
+)");
+}
+
+TEST(Configuration, OthersOnTheBusAreFoundInOneWay) {
+  const auto wired = [](const std::string& overlay) {
+    const std::filesystem::path file = overlay_folder() / "overlay.toml";
+    std::ofstream(file) << overlay;
+    return service::wiring(load_gateway_config(config_file("lab.toml"), {file}));
+  };
+  EXPECT_THAT(wired("[bus]\npeers = [\"192.168.90.71\", \"192.168.90.72\"]\nsecurity = \"identity\"\n"),
+              HasSubstr("found at 192.168.90.71 192.168.90.72, protected\n"));
+  EXPECT_THAT(wired("[bus]\nserver = \"192.168.90.72:11811\"\n"),
+              HasSubstr("found by the discovery server 192.168.90.72:11811\n"));
+  EXPECT_THAT(complaint("[bus]\npeers = [\"desk\"]\n"), HasSubstr("[bus] peers"));
+  EXPECT_THAT(complaint("[bus]\nserver = \"192.168.90.72\"\n"), HasSubstr("[bus] server"));
+  EXPECT_THAT(complaint("[bus]\npeers = [\"192.168.90.71\"]\nserver = \"192.168.90.72:11811\"\n"),
+              HasSubstr("choose one of them"));
+  EXPECT_THAT(complaint("[bus]\nserver = \"192.168.90.72:11811\"\nsecurity = \"identity\"\n"),
+              HasSubstr("[bus] security"));
 }
 
 TEST(Configuration, APortInUseIsToldBeforeAnythingIsSent) {

@@ -8,6 +8,7 @@
 
 #include "drivers/core/error.hpp"
 #include "gateway/service/program/log.hpp"
+#include "gateway/service/wiring.hpp"
 
 namespace motionlab::service {
 namespace {

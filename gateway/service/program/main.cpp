@@ -14,6 +14,7 @@
 #include "gateway/service/program/house.hpp"
 #include "gateway/service/program/log.hpp"
 #include "gateway/service/program/settle.hpp"
+#include "gateway/service/wiring.hpp"
 
 namespace {
 
@@ -52,7 +53,9 @@ int main(int argc, char** argv) {
   try {
     const auto config = read_config(options);
     if (options.check) {
-      std::cout << "wiring\n" << service::wiring(config) << "\neffective configuration\n" << config.effective;
+      std::cout << service::wiring_drawing(config) << "\nwiring\n"
+                << service::wiring(config) << "\neffective configuration\n"
+                << config.effective;
       return 0;
     }
     if (options.nftables) {
