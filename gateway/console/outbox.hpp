@@ -26,9 +26,9 @@ struct Parcel {
 };
 
 /// A queue in order of arrival. Beyond its limit the oldest parcel of the same slot gives way to the new one,
-/// so that it holds at most the limit and one parcel of each slot, however long nobody takes from it. The only
-/// one of its slot leaves its place in the queue to the newer one: so each slot has its turn, however slowly
-/// the client reads.
+/// so that it holds at most the limit and one parcel of each slot, however long nobody takes from it. The
+/// only one of its slot leaves its place in the queue to the newer one: so each slot has its turn, however
+/// slowly the client reads.
 class Outbox {
  public:
   /// @param newest_only  the client wants the newest of each slot each time it is served, and no more; what
