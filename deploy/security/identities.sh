@@ -26,15 +26,18 @@ wrong_usage() {
   exit 64
 }
 
+# The topics by which the gateway is asked, and commanded.
+readonly requests=(motionlab/mode_request motionlab/reference) commands=(motionlab/arm_command motionlab/winch_command)
+
 # What a role may write and hear, as the names of topics.
 rights() {
   case $1 in
     gateway)
       writes=('motionlab/*')
-      hears=(motionlab/mode_request motionlab/reference motionlab/arm_command motionlab/winch_command)
+      hears=("${requests[@]}" "${commands[@]}")
       ;;
     operator)
-      writes=(motionlab/mode_request motionlab/reference motionlab/arm_command motionlab/winch_command motionlab/score)
+      writes=("${requests[@]}" "${commands[@]}" motionlab/score)
       hears=('*')
       ;;
     observer)
@@ -52,8 +55,24 @@ topics() {
     "$1" "$(printf '<topic>%s</topic>' "${@:2}")" "$1"
 }
 
+# Who may only read must not be able to ask in an operator's name: requests are signed for each reader. Of what is said a
+# thousand times a second that makes estimates late by 40 ms and more.
+topic_rule() { # EXPRESSION PROTECTION
+  cat <<END
+        <topic_rule>
+          <topic_expression>$1</topic_expression>
+          <enable_discovery_protection>true</enable_discovery_protection>
+          <enable_liveliness_protection>true</enable_liveliness_protection>
+          <enable_read_access_control>true</enable_read_access_control>
+          <enable_write_access_control>true</enable_write_access_control>
+          <metadata_protection_kind>$2</metadata_protection_kind>
+          <data_protection_kind>NONE</data_protection_kind>
+        </topic_rule>
+END
+}
+
 governance() {
-  cat <<'END'
+  cat <<END
 <?xml version="1.0" encoding="UTF-8"?>
 <dds>
   <domain_access_rules>
@@ -65,15 +84,8 @@ governance() {
       <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
       <rtps_protection_kind>NONE</rtps_protection_kind>
       <topic_access_rules>
-        <topic_rule>
-          <topic_expression>*</topic_expression>
-          <enable_discovery_protection>true</enable_discovery_protection>
-          <enable_liveliness_protection>true</enable_liveliness_protection>
-          <enable_read_access_control>true</enable_read_access_control>
-          <enable_write_access_control>true</enable_write_access_control>
-          <metadata_protection_kind>ENCRYPT_WITH_ORIGIN_AUTHENTICATION</metadata_protection_kind>
-          <data_protection_kind>NONE</data_protection_kind>
-        </topic_rule>
+$(for topic in "${requests[@]}"; do topic_rule "$topic" ENCRYPT_WITH_ORIGIN_AUTHENTICATION; done)
+$(topic_rule '*' ENCRYPT)
       </topic_access_rules>
     </domain_rule>
   </domain_access_rules>
