@@ -18,6 +18,7 @@
 #include "gateway/bus/local_bus.hpp"
 #include "idl/topics.hpp"
 #include "tests/integration/processes.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace motionlab::integration {
 
@@ -103,7 +104,7 @@ class ProcessBench {
     folder_ =
         std::filesystem::path(testing::TempDir()) / ("motionlab-" + std::to_string(getpid()) + "-" + name);
     std::filesystem::create_directories(folder_);
-    domain_ = 100 + getpid() % 130;
+    domain_ = test::own_domain();
     std::vector<std::unique_ptr<RawSocket>> held;  // all at once, so that no port is drawn twice
     const auto draw = [&](int type) {
       held.push_back(std::make_unique<RawSocket>(type));

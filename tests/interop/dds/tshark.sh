@@ -4,7 +4,7 @@
 #   tshark.sh OUR_PEER CYCLONE_ECHO      77 (left out) where nothing may be captured
 set -eu
 peer=$1 echo=$2
-domain=$((40 + $$ % 36)) # below the ports that the kernel gives to others
+domain=$((95 + $$ % 5)) # below the ports that the kernel gives to others
 first=$((7400 + 250 * domain)) # RTPS 2.2, 9.6.1.1; the echo uses the next domain, too
 last=$((first + 499))
 work=$(mktemp -d)

@@ -4,7 +4,6 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/own_domain.hpp"
 #include "tests/unit/bus/samples.hpp"
 
 extern char** environ;
@@ -26,7 +26,7 @@ namespace {
 
 /// A domain that no other test of this host uses at the same time, most likely.
 int own_domain() {
-  return 77 + static_cast<int>(getpid() % 140);
+  return test::own_domain();
 }
 
 DdsConfig loopback(std::string participant) {

@@ -1,7 +1,6 @@
 #include "gateway/bus/dds_tap.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <map>
@@ -13,6 +12,7 @@
 #include "gateway/bus/cdr_reader.hpp"
 #include "gateway/bus/dds_bus.hpp"
 #include "gateway/bus/topic_list.hpp"
+#include "tests/support/own_domain.hpp"
 #include "tests/unit/bus/samples.hpp"
 
 namespace motionlab::bus {
@@ -20,7 +20,7 @@ namespace {
 
 DdsConfig loopback(bool join_truth) {
   DdsConfig config;
-  config.domain = 20 + static_cast<int>(getpid() % 200);
+  config.domain = test::own_domain();
   config.interface_whitelist = {"127.0.0.1"};
   config.join_truth = join_truth;
   return config;

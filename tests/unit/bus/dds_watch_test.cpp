@@ -12,6 +12,7 @@
 #include "gateway/bus/dds_bus.hpp"
 #include "gateway/bus/local_bus.hpp"
 #include "idl/topics.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace motionlab::bus {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 /// A domain that no other test of this host uses at the same time, most likely.
 DdsConfig loopback(std::string participant) {
   DdsConfig config;
-  config.domain = 77 + static_cast<int>(getpid() % 140);
+  config.domain = test::own_domain();
   config.interface_whitelist = {"127.0.0.1"};
   config.participant = std::move(participant);
   config.join_truth = true;

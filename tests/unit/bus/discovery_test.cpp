@@ -13,6 +13,7 @@
 #include "drivers/core/error.hpp"
 #include "gateway/bus/dds_bus.hpp"
 #include "gateway/bus/local_bus.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace motionlab::bus {
 namespace {
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 
 DdsConfig loopback(std::string participant) {
   DdsConfig config;
-  config.domain = 77 + static_cast<int>(getpid() % 140);
+  config.domain = test::own_domain();
   config.interface_whitelist = {"127.0.0.1"};
   config.participant = std::move(participant);
   return config;

@@ -1,6 +1,5 @@
 /// @file  A peer that claims our type and sends whatever it likes.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -22,6 +21,7 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
 #include "gateway/bus/dds_bus.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace motionlab::bus {
 namespace {
@@ -108,7 +108,7 @@ Bytes request(std::size_t requester_size, unsigned char action) {
 }
 
 TEST(HostilePeer, IsSurvivedAndCounted) {
-  const int domain = 77 + static_cast<int>(getpid() % 140);
+  const int domain = test::own_domain();
   LocalBus local;
   DdsConfig config;
   config.domain = domain;
@@ -167,7 +167,7 @@ class Flood {
 };
 
 TEST(HostilePeer, FloodingRequestsNeitherFillsTheStepNorDrownsASettleThatIsSaidOnce) {
-  const int domain = 77 + static_cast<int>(getpid() % 140);
+  const int domain = test::own_domain();
   const auto loopback = [domain](const char* name) {
     DdsConfig config;
     config.domain = domain;

@@ -18,6 +18,7 @@
 
 #include "drivers/core/real_clock.hpp"
 #include "idl/topics.hpp"
+#include "tests/support/own_domain.hpp"
 
 namespace motionlab::monitor {
 namespace {
@@ -30,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 /// A domain that no other test of this host uses at the same time, most likely.
 int own_domain() {
-  return 77 + static_cast<int>(getpid() % 140);
+  return test::own_domain();
 }
 
 /// What a command said and how it ended.

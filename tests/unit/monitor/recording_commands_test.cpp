@@ -17,6 +17,7 @@
 #include "gateway/bus/dds_bus.hpp"
 #include "gateway/monitor/command_line.hpp"
 #include "gateway/record/recording.hpp"
+#include "tests/support/own_domain.hpp"
 #include "tests/unit/record/heard.hpp"
 
 namespace motionlab::monitor {
@@ -32,7 +33,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::int64_t kBegan = 1'800'000'000'000'000'000;
 
 int own_domain() {
-  return 60 + static_cast<int>(getpid() % 140);
+  return test::own_domain();
 }
 
 bus::DdsConfig loopback(const char* participant) {
