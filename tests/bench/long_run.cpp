@@ -5,7 +5,8 @@
 ///
 /// It fails when the engagement ends by itself, a sample or a beat of the control thread is unaccounted for,
 /// one of its pages was not in memory, or memory grows; and, unless --short says that this is any machine,
-/// when the 99th percentile of a control step is above 60 us. Freshness limits are those of shared-vm.toml.
+/// when the 99th percentile of a control step is above 60 us. Freshness limits are those of
+/// shared-vm.toml; with --short a second, for a machine that stands still.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -64,7 +65,8 @@ class LongRun : public integration::ProcessBench {
                                      {integration::config_file("loopback.toml"), folder_ / "gateway.toml"});
     periods_ = test::periods(config);
     auto command = gateway_command();
-    command.insert(command.end(), {"--overlay", integration::config_file("shared-vm.toml")});
+    if (!any_machine)
+      command.insert(command.end(), {"--overlay", integration::config_file("shared-vm.toml")});
     gateway_ = std::make_unique<integration::Child>(command, folder_ / "gateway.log");
     simulator_ = start_simulator({"--scenario", "sea"});
     meter_ = std::make_unique<test::GatewayMeter>(domain_, "127.0.0.1");
@@ -124,8 +126,10 @@ class LongRun : public integration::ProcessBench {
     for (const auto& [device, period_s] : periods_) {
       const test::DeviceAccount account(before.at(device), after.at(device), period_s);
       account.print();
-      verdict_.require(account.unaccounted() == 0, "every sample of " + device + " is accounted for: " +
-                                                       std::to_string(account.unaccounted()) + " are not");
+      // The arm only answers: what slept through beats of the control thread sent no command either.
+      const double left = account.unaccounted(device == "arm" ? slept_through(before, after) : 0);
+      verdict_.require(
+          left == 0, "every sample of " + device + " is accounted for: " + std::to_string(left) + " are not");
       verdict_.require(account.reconnects == 0, device + " stays connected");
     }
   }
@@ -155,6 +159,9 @@ class LongRun : public integration::ProcessBench {
     judge("simulator", simulator_memory_);
   }
 
+  static std::uint64_t slept_through(const AllHealth& before, const AllHealth& after) {
+    return after.at("gateway").missed_deadlines[0] - before.at("gateway").missed_deadlines[0];
+  }
   static unsigned long long as_printed(std::uint64_t count) { return count; }
 
   static constexpr std::chrono::seconds kToSettle{10};  // the ramp of authority, and first caches
