@@ -76,10 +76,10 @@ struct DeviceAccount {
   /// Samples of which nobody says where they are: neither accepted, nor refused for a reason, nor missed by
   /// the device's own counter. The devices' clocks are some 10⁻⁴ off ours.
   /// @param slept_through  so many may never have been asked for: this machine stood still
-  [[nodiscard]] double unaccounted(std::uint64_t slept_through = 0) const {
+  [[nodiscard]] double unaccounted(double slept_through = 0) const {
     const double missing = expected - static_cast<double>(received + lost + rejected);
     const double most = 5.0 + 2e-4 * expected;
-    return missing >= -most && missing <= most + static_cast<double>(slept_through) ? 0.0 : missing;
+    return missing >= -most && missing <= most + slept_through ? 0.0 : missing;
   }
 
  private:

@@ -64,6 +64,7 @@ class LongRun : public integration::ProcessBench {
         service::load_gateway_config(integration::config_file("lab.toml"),
                                      {integration::config_file("loopback.toml"), folder_ / "gateway.toml"});
     periods_ = test::periods(config);
+    control_period_s_ = config.control_period_s;
     auto command = gateway_command();
     if (!any_machine)
       command.insert(command.end(), {"--overlay", integration::config_file("shared-vm.toml")});
@@ -81,7 +82,7 @@ class LongRun : public integration::ProcessBench {
 
     judge_thread(thread, any_machine);
     judge_devices(before, after);
-    judge_beats(before.at("gateway"), after.at("gateway"), config.control_period_s);
+    judge_beats(before.at("gateway"), after.at("gateway"));
     judge_memory();
     meter_->ask(topic::ModeAction::settle);
     if (!verdict_.good()) std::printf("\nthe gateway's words:\n%s", gateway_->output().c_str());
@@ -127,15 +128,15 @@ class LongRun : public integration::ProcessBench {
       const test::DeviceAccount account(before.at(device), after.at(device), period_s);
       account.print();
       // The arm only answers: what slept through beats of the control thread sent no command either.
-      const double left = account.unaccounted(device == "arm" ? slept_through(before, after) : 0);
+      const double left = account.unaccounted(device == "arm" ? slept_s(before, after) / period_s : 0);
       verdict_.require(
           left == 0, "every sample of " + device + " is accounted for: " + std::to_string(left) + " are not");
       verdict_.require(account.reconnects == 0, device + " stays connected");
     }
   }
 
-  void judge_beats(const topic::Health& before, const topic::Health& after, double period_s) {
-    const test::DeviceAccount beats(before, after, period_s);
+  void judge_beats(const topic::Health& before, const topic::Health& after) {
+    const test::DeviceAccount beats(before, after, control_period_s_);
     std::array<std::uint64_t, 4> missed{};
     for (std::size_t i = 0; i < missed.size(); ++i) {
       missed[i] = after.missed_deadlines[i] - before.missed_deadlines[i];
@@ -159,8 +160,10 @@ class LongRun : public integration::ProcessBench {
     judge("simulator", simulator_memory_);
   }
 
-  static std::uint64_t slept_through(const AllHealth& before, const AllHealth& after) {
-    return after.at("gateway").missed_deadlines[0] - before.at("gateway").missed_deadlines[0];
+  /// For so long the control thread slept through its beats.
+  [[nodiscard]] double slept_s(const AllHealth& before, const AllHealth& after) const {
+    return control_period_s_ * static_cast<double>(after.at("gateway").missed_deadlines[0] -
+                                                   before.at("gateway").missed_deadlines[0]);
   }
   static unsigned long long as_printed(std::uint64_t count) { return count; }
 
@@ -172,6 +175,7 @@ class LongRun : public integration::ProcessBench {
 
   Verdict verdict_;
   std::vector<std::pair<std::string, double>> periods_;
+  double control_period_s_ = 0;
   std::unique_ptr<integration::Child> gateway_, simulator_;
   std::unique_ptr<test::GatewayMeter> meter_;
   test::MemoryWatch gateway_memory_, simulator_memory_;
