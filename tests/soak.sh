@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What takes hours: every fuzzer for ten million executions, floods in earnest, and the laboratory over many seeds.
-#   tests/soak.sh [--runs N] [--seeds N] [--only deadman|engagement|flood|fuzz|lab|recording|study]
+#   tests/soak.sh [--runs N] [--seeds N] [--only deadman|engagement|flood|fuzz|lab|recording|study|watching]
 #     --runs N    executions of each fuzzer (10000000)
 #     --seeds N   seeds of each scenario in lockstep (20); a tenth as many, at least one, on real sockets
 # After tests/run.sh, whose packages and builds it needs. Logs are in build/soak-log.
@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 runs=10000000 seeds=20 only=''
 while (($#)); do
   case $1:${2:-} in
-    --runs:[1-9]* | --seeds:[1-9]* | --only:deadman | --only:engagement | --only:flood | --only:fuzz | --only:lab | --only:recording | --only:study)
+    --runs:[1-9]* | --seeds:[1-9]* | --only:deadman | --only:engagement | --only:flood | --only:fuzz | --only:lab | --only:recording | --only:study | --only:watching)
       declare "${1#--}=$2"
       shift 2
       ;;
@@ -70,6 +70,7 @@ step "engagement's own machine" wake_ups
 step "deadman of a hardened arm" build/release/tests/bench/deadman_kills --kills 100
 step "deadman of a faithful arm" build/release/tests/bench/deadman_kills --kills 100 --robot faithful
 step "recording to a RAM disk" build/release/tests/bench/bench_recording
+step "watching" build/release/tests/bench/bench_watching
 step "flood of the bus" build/release/tests/bench/bench_bus_flood
 step "flood of datagrams" build/release/tests/bench/bench_datagram_flood
 for ((seed = 1; seed <= seeds; ++seed)); do

@@ -67,10 +67,13 @@ class Link {
 template <class T>
 class Out final : public Link, private fast::DataWriterListener {
  public:
+  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters)
+      : Out{local, wakeup, counters, TopicTraits<T>::paced, nullptr} {}
+  /// @param paced  the newest once per period; who publishes never rings for it
   /// @param arrivals  what comes in by this bus and does not go out again; may be null
-  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters,
-      const Publisher<T>* arrivals = nullptr)
-      : counters_{counters}, samples_{local.subscribe<T>(kPaced ? nullptr : wakeup, arrivals)} {}
+  Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters, bool paced,
+      const Publisher<T>* arrivals)
+      : counters_{counters}, paced_{paced}, samples_{local.subscribe<T>(paced ? nullptr : wakeup, arrivals)} {}
 
   bool create(fast::Publisher& publisher, fast::Topic& topic, const TopicShape& shape) {
     writer_ = publisher.create_datawriter(&topic, writer_qos(shape), this);
@@ -79,30 +82,32 @@ class Out final : public Link, private fast::DataWriterListener {
 
   std::size_t run(SteadyTime now) override {
     std::size_t count = 0;
-    if constexpr (kPaced) {
+    if (paced_) {
       if (now < due_) return 0;
-      due_ = std::max(due_ + kPeriod, now);
-      bool any = false;
-      while (const auto sample = samples_.next()) {
-        carried_.sample = *sample;
-        any = true;
-      }
-      if (any) count += write();
-    } else {
-      while (const auto sample = samples_.next()) {
-        carried_.sample = *sample;
-        count += write();
-      }
+      due_ = SteadyTime{(now.time_since_epoch() / kPeriod + 1) * kPeriod};  // all of a pace in one round
     }
-    return count;
+    bool waiting = false;
+    while (const auto sample = samples_.next()) {
+      if (waiting && !(paced_ && same_instance(carried_.sample, *sample))) count += write();
+      carried_.sample = *sample;
+      waiting = true;
+    }
+    return waiting ? count + write() : count;
   }
 
-  [[nodiscard]] SteadyTime due() const noexcept override { return kPaced ? due_ : SteadyTime::max(); }
+  [[nodiscard]] SteadyTime due() const noexcept override { return paced_ ? due_ : SteadyTime::max(); }
   [[nodiscard]] std::uint64_t lost() const noexcept override { return samples_.lost(); }
 
  private:
-  static constexpr bool kPaced = TopicTraits<T>::paced;
-  static constexpr Nanoseconds kPeriod = from_seconds(TopicTraits<T>::period_s);
+  static constexpr Nanoseconds kPeriod = std::max(from_seconds(TopicTraits<T>::period_s), Nanoseconds{1});
+
+  static bool same_instance(const T& a, const T& b) noexcept {
+    if constexpr (T::kKeyed) {
+      return a.key() == b.key();
+    } else {
+      return true;
+    }
+  }
 
   std::size_t write() {
     const bool written = writer_->write(&carried_);
@@ -121,6 +126,7 @@ class Out final : public Link, private fast::DataWriterListener {
   }
 
   AtomicCounters& counters_;
+  const bool paced_;
   Subscription<T> samples_;
   fast::DataWriter* writer_ = nullptr;
   Carried<T> carried_;
@@ -226,7 +232,8 @@ struct DdsBus::Impl {
   void carry_both() {
     carry<T, In<T>>();
     const auto& in = static_cast<const In<T>&>(*link_of(TopicTraits<T>::name));
-    add<T>(std::make_unique<Out<T>>(local, wakeup, counters, &in.arrivals()));
+    constexpr bool kPaced = TopicTraits<T>::period_s > 0;
+    add<T>(std::make_unique<Out<T>>(local, wakeup, counters, kPaced, &in.arrivals()));
   }
 
   /// Creates the endpoint of a link below the right partition's publisher or subscriber.

@@ -65,8 +65,9 @@ class DdsBus {
   template <class T>
   void in();
 
-  /// Both: what is published here by others than this bus goes out, what arrives from other participants is
-  /// published here. Before `start`. @throws StartupError  as above
+  /// Both: what is published here by others than this bus goes out, of a topic that has a period the newest
+  /// once per period; what arrives from other participants is published here. Before `start`.
+  /// @throws StartupError  as above
   template <class T>
   void both();
 

@@ -357,11 +357,29 @@ void add_record(CLI::App& app, Chosen& chosen) {
       ->type_name("TOPIC");
   command->add_option("--seconds", record.seconds, "end after so many seconds (until Ctrl-C)")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--config", record.configs,
-                   "file to attach, e.g. the gateway's lab.toml; may be given several times")
+  command->add_option("--config", record.config, "the gateway's lab.toml: attached, and what is in effect with its overlays")
+      ->type_name("FILE");
+  command->add_option("--overlay", record.overlays, "the gateway's overlay; may be given several times")
+      ->allow_extra_args(false)
+      ->needs("--config")
+      ->type_name("FILE");
+  command->add_option("--attach", record.attachments, "any other file to attach; may be given several times")
       ->allow_extra_args(false)
       ->type_name("FILE");
+  CLI::Option* const on_event =
+      command
+          ->add_option("--on-event", record.on_event,
+                       "only what surrounds such events, each into a file of its own: info, warning, fault (at least so "
+                       "severe) or the code of an event; several with commas between them")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->type_name("WHAT");
+  command->add_option("--before", record.before_s, "seconds before the event (10)")
+      ->check(CLI::Range(0.0, 120.0))
+      ->needs(on_event);
+  command->add_option("--after", record.after_s, "seconds after the last such event (10)")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->needs(on_event);
   command->add_option("--split-mb", record.split_mb, "begin a new file after so many megabytes (1024)")
       ->check(CLI::Range(1, 1'000'000));
   command
@@ -376,6 +394,8 @@ Examples:
   motionlab record -o run.mcap --seconds 60 --config /etc/motionlab/lab.toml
   motionlab record -o /var/tmp --topics mru,arm_state
   motionlab record -o /data --disk-mb 20000               the newest 20 GB, for ever
+  motionlab record -o /data --on-event fault --before 30  half a minute before each fault, and 10 s after it
+  motionlab record -o /data --on-event mru1_stale,arm_stale
 Samples lie in the file as they came, with their schema: Foxglove, Lichtblick and the mcap tools read it. At its end is
 the ledger of what is missing. After a power cut or kill -9 all but the last second is there: motionlab verify --repair.
 Ends with 1 when the disk took no more, 2 when nothing was heard.)");

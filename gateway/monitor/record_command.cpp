@@ -11,10 +11,12 @@
 #include <utility>
 
 #include "drivers/core/error.hpp"
+#include "drivers/core/toml_reader.hpp"
 #include "gateway/monitor/named_topics.hpp"
 #include "gateway/monitor/recorder.hpp"
 #include "gateway/monitor/text.hpp"
 #include "gateway/monitor/topic_json.hpp"
+#include "gateway/record/run_recorder.hpp"
 
 namespace motionlab::monitor {
 namespace {
@@ -34,8 +36,38 @@ record::AttachedFile attached(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
-  if (!in) throw StartupError{"cannot read " + path + ": --config wants a file to attach, e.g. lab.toml"};
-  return {std::filesystem::path(path).filename().string(), "application/toml", text.str()};
+  if (!in) throw StartupError{"cannot read " + path + ": a file to attach must be there and be readable"};
+  const std::filesystem::path file(path);
+  return {file.filename().string(),
+          file.extension() == ".toml" ? "application/toml" : "application/octet-stream", text.str()};
+}
+
+/// The gateway's files as they are, comments included, and what they are together.
+std::vector<record::AttachedFile> attachments(const RecordCommand& command) {
+  std::vector<record::AttachedFile> files;
+  if (!command.config.empty()) {
+    const std::vector<std::filesystem::path> overlays(command.overlays.begin(), command.overlays.end());
+    files.push_back({std::string(record::kRunConfiguration), "application/toml",
+                     TomlDocument::load(command.config, overlays).effective()});
+    files.push_back(attached(command.config));
+  }
+  for (const std::string& overlay : command.overlays) files.push_back(attached(overlay));
+  for (const std::string& other : command.attachments) files.push_back(attached(other));
+  return files;
+}
+
+std::optional<EventWindow> window_of(const RecordCommand& command) {
+  if (command.on_event.empty()) return std::nullopt;
+  return EventWindow{command.on_event, from_seconds(command.before_s), from_seconds(command.after_s)};
+}
+
+/// Those asked for, and the events that open windows.
+std::vector<std::size_t> rows_of(const RecordCommand& command) {
+  std::vector<std::size_t> rows = rows_named(command.topics);
+  constexpr std::size_t kEvents = bus::topic_index<topic::Event>();
+  if (!command.on_event.empty() && !rows.empty() && std::find(rows.begin(), rows.end(), kEvents) == rows.end())
+    rows.push_back(kEvents);
+  return rows;
 }
 
 record::RecordingOptions recording_options(const RecordCommand& command, LabTime now) {
@@ -44,7 +76,7 @@ record::RecordingOptions recording_options(const RecordCommand& command, LabTime
   options.split_bytes = command.split_mb * kMegabyte;
   options.disk_bytes = command.disk_mb * kMegabyte;
   if (command.disk_mb > 0) options.split_bytes = std::min(options.split_bytes, options.disk_bytes / 4);
-  for (const std::string& config : command.configs) options.attached.push_back(attached(config));
+  options.attached = attachments(command);
   std::string topics;
   for (const std::string& topic : command.topics) topics += (topics.empty() ? "" : " ") + topic;
   options.about["topics"] = topics.empty() ? "all" : topics;
@@ -107,7 +139,7 @@ std::string as_text(const record::Recording& recording, const record::LossesByTo
 /// come round, and to a terminal.
 class Teller {
  public:
-  explicit Teller(const Terminal& terminal) : terminal_(terminal) {}
+  Teller(const Terminal& terminal, bool windows) : terminal_(terminal), windows_(windows) {}
   ~Teller() {
     if (shown_) terminal_.err << "\r\033[K" << std::flush;
   }
@@ -117,7 +149,8 @@ class Teller {
   void tell(Recorder& recorder, Nanoseconds time) {
     if (time < next_) return;
     next_ = time + kTell;
-    const std::string far = how_far(time, recorder.messages(), recorder.bytes(), sum(recorder.losses()));
+    std::string far = how_far(time, recorder.messages(), recorder.bytes(), sum(recorder.losses()));
+    if (windows_) far += ", " + std::to_string(recorder.windows()) + " events";
     const std::uint64_t rounds = recorder.rounds();
     const bool alive = std::exchange(rounds_, rounds) != rounds;
     sd_notifyf(0, "%sSTATUS=%s", alive ? "WATCHDOG=1\n" : "", far.c_str());
@@ -128,6 +161,7 @@ class Teller {
 
  private:
   const Terminal& terminal_;
+  const bool windows_;
   Nanoseconds next_{0};
   std::uint64_t rounds_ = 0;
   bool shown_ = false;
@@ -140,21 +174,23 @@ int run_record(const Connection& connection, const RecordCommand& command, const
   bus::DdsConfig dds = dds_config(connection, true);
   dds.participant = "motionlab-recorder";
   const LabTime start = clock.now();
+  const std::optional<EventWindow> window = window_of(command);
   Recorder recorder{
-      dds, {.topics = rows_named(command.topics), .depth = kPatientDepth}, recording_options(command, start)};
+      dds, {.topics = rows_of(command), .depth = kPatientDepth}, recording_options(command, start), window};
   sd_notify(0, "READY=1");
+  std::size_t heard = 0;
   {
-    Teller teller{terminal};
+    Teller teller{terminal, window.has_value()};
     const Nanoseconds end = command.seconds ? from_seconds(*command.seconds) : Nanoseconds::max();
     for (Nanoseconds time{0}; !terminal.interrupted && time < end && !recorder.trouble();
          time = clock.now() - start) {
-      (void)recorder.listen();
+      heard += recorder.listen();
       teller.tell(recorder, time);
       std::this_thread::sleep_for(std::min(kRound, end - time));
     }
   }
   sd_notify(0, "STOPPING=1");
-  (void)recorder.listen();
+  heard += recorder.listen();
   const record::Recording& recording = recorder.finish();
   const Nanoseconds time = clock.now() - start;
   terminal.out << (command.json ? json_text(as_json(recording, recorder.losses(), time))
@@ -163,7 +199,7 @@ int run_record(const Connection& connection, const RecordCommand& command, const
     terminal.err << *trouble << "\n";
     return kExitWrong;
   }
-  if (recording.messages() > 0) return kExitGood;
+  if (heard > 0) return kExitGood;
   if (terminal.interrupted) return kExitInterrupted;
   terminal.err << nobody_answers(connection, seconds(time)) << "\n";
   return kExitNobody;

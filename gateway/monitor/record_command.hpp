@@ -14,9 +14,13 @@ struct RecordCommand {
   std::string to;                    ///< a file or a folder; empty: a dated file here
   std::vector<std::string> topics;   ///< names of the house, "mru" for short; empty: all
   std::optional<double> seconds;     ///< nothing: until it is interrupted
-  std::vector<std::string> configs;  ///< files to attach
+  std::string config;                ///< the gateway's: attached, with its overlays as gateway.toml too
+  std::vector<std::string> overlays;
+  std::vector<std::string> attachments;  ///< any other files
   std::uint64_t split_mb = 1024;
-  std::uint64_t disk_mb = 0;  ///< 0: no limit
+  std::uint64_t disk_mb = 0;          ///< 0: no limit
+  std::vector<std::string> on_event;  ///< severities or codes; empty: everything is recorded
+  double before_s = 10, after_s = 10;
   bool json = false;
 };
 

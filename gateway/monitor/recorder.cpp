@@ -9,10 +9,19 @@ namespace {
 
 constexpr Nanoseconds kPause = 20ms;  // of the writing thread, when there is nothing to write
 
+record::RecordingOptions on_occasion(record::RecordingOptions options, bool is) {
+  options.on_occasion = is;
+  return options;
+}
+
 }  // namespace
 
-Recorder::Recorder(const bus::DdsConfig& dds, const bus::TapOptions& tap, record::RecordingOptions options)
-    : tap_(dds, tap), recording_(std::move(options), clock_.now()), thread_([this] { write(); }) {}
+Recorder::Recorder(const bus::DdsConfig& dds, const bus::TapOptions& tap, record::RecordingOptions options,
+                   const std::optional<EventWindow>& window)
+    : tap_(dds, tap), recording_(on_occasion(std::move(options), window.has_value()), clock_.now()) {
+  if (window) windows_.emplace(*window, clock_.now(), recording_);
+  thread_ = std::thread([this] { write(); });
+}
 
 Recorder::~Recorder() {
   (void)finish();
@@ -27,7 +36,9 @@ std::size_t Recorder::listen() {
 
 void Recorder::write() {
   pthread_setname_np(pthread_self(), "recorder");
-  const auto take = [this](const record::SampleToRecord& sample, Bytes cdr) { recording_.take(sample, cdr); };
+  const auto take = [this](const record::SampleToRecord& sample, Bytes cdr) {
+    windows_ ? windows_->take(sample, cdr) : recording_.take(sample, cdr);
+  };
   LabTime next_look{};
   for (;;) {
     const bool last = stopping_.load(std::memory_order_acquire);  // before the queue is seen empty
@@ -35,6 +46,10 @@ void Recorder::write() {
     const LabTime now = clock_.now();
     if (!any || now >= next_look) {
       next_look = now + kPause;
+      if (windows_) {
+        windows_->keep_up(now);
+        opened_.store(windows_->count(), std::memory_order_relaxed);
+      }
       recording_.keep_up(now);
       messages_.store(recording_.messages(), std::memory_order_relaxed);
       bytes_.store(recording_.bytes(), std::memory_order_relaxed);

@@ -12,6 +12,7 @@
 
 #include "drivers/core/real_clock.hpp"
 #include "gateway/bus/dds_tap.hpp"
+#include "gateway/monitor/event_windows.hpp"
 #include "gateway/record/recording.hpp"
 #include "gateway/record/sample_queue.hpp"
 
@@ -22,8 +23,10 @@ namespace motionlab::monitor {
 /// are counted, but DDS never waits for it.
 class Recorder {
  public:
+  /// @param window  nothing: everything is recorded; else what surrounds its events, into a part for each
   /// @throws StartupError  no DDS, or the file cannot be made
-  Recorder(const bus::DdsConfig& dds, const bus::TapOptions& tap, record::RecordingOptions options);
+  Recorder(const bus::DdsConfig& dds, const bus::TapOptions& tap, record::RecordingOptions options,
+           const std::optional<EventWindow>& window = {});
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -39,6 +42,8 @@ class Recorder {
   [[nodiscard]] std::uint64_t rounds() const noexcept { return rounds_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t messages() const noexcept { return messages_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(std::memory_order_relaxed); }
+  /// Events that opened a window.
+  [[nodiscard]] std::uint64_t windows() const noexcept { return opened_.load(std::memory_order_relaxed); }
   /// What keeps it from writing, as a sentence.
   [[nodiscard]] std::optional<std::string> trouble() const;
 
@@ -48,9 +53,10 @@ class Recorder {
   RealClock clock_;
   bus::DdsTap tap_;
   record::SampleQueue queue_;
-  record::Recording recording_;  ///< of the thread, until that has ended
+  record::Recording recording_;          ///< of the thread, until that has ended
+  std::optional<EventWindows> windows_;  ///< likewise
   std::atomic<bool> stopping_{false};
-  std::atomic<std::uint64_t> rounds_{0}, messages_{0}, bytes_{0};
+  std::atomic<std::uint64_t> rounds_{0}, messages_{0}, bytes_{0}, opened_{0};
   mutable std::mutex mutex_;
   std::optional<std::string> trouble_;
   std::thread thread_;

@@ -54,6 +54,22 @@ Recording::Recording(RecordingOptions options, LabTime now) : options_(std::move
     throw StartupError("cannot write the recording " + path_.string() + ": " + std::strerror(reason) +
                        "; choose a folder that exists and is writable, on a disk with room");
   }
+  if (options_.on_occasion) {
+    file_.reset();
+    std::filesystem::remove(path_);
+    part_ = 0;
+  }
+}
+
+void Recording::begin(LabTime now, StringMap occasion) {
+  if (file_ || trouble_) return;
+  occasion_ = std::move(occasion);
+  make_room();
+  begin_part(now);
+}
+
+void Recording::end() {
+  if (file_) end_part();
 }
 
 void Recording::begin_part(LabTime now) {
@@ -72,6 +88,7 @@ void Recording::begin_part(LabTime now) {
   about["part"] = std::to_string(part_);
   about["began"] = utc(now, "%Y-%m-%dT%H:%M:%SZ");
   file_->writer.metadata(kRecordingMetadata, about);
+  if (!occasion_.empty()) file_->writer.metadata(kOccasionMetadata, occasion_);
   for (const AttachedFile& attached : options_.attached) {
     file_->writer.attachment(attached.name, attached.media_type, now, as_bytes(attached.data));
   }
@@ -93,11 +110,20 @@ Recording::Channel& Recording::channel(std::size_t topic) {
 }
 
 void Recording::take(const SampleToRecord& sample, Bytes cdr) {
+  if (!file_) return;
   Channel& to = channel(sample.topic);
   file_->writer.message(to.id, static_cast<std::uint32_t>(sample.sequence), from_ns(sample.t_heard_ns),
                         from_ns(sample.t_written_ns), cdr);
   ++to.messages;
   ++messages_;
+  learn(sample, cdr);
+}
+
+void Recording::pass(const SampleToRecord& sample, Bytes cdr) {
+  learn(sample, cdr);
+}
+
+void Recording::learn(const SampleToRecord& sample, Bytes cdr) {
   losses_[sample.topic] = sample.losses;
   topic::Health health;
   if (sample.topic == bus::topic_index<topic::Health>() && read_cdr(cdr, health, kDdsPadding)) {
@@ -111,9 +137,10 @@ void Recording::take(const SampleToRecord& sample, Bytes cdr) {
 }
 
 void Recording::keep_up(LabTime now) {
-  if (trouble()) return;
+  if (!file_ || trouble()) return;
   if (file_->writer.bytes_written() >= options_.split_bytes) {
     end_part();
+    if (trouble_) return;
     make_room();
     begin_part(now);
   } else if (now >= chunk_ends_) {
@@ -149,7 +176,10 @@ void Recording::end_part() {
   file_->writer.end_chunk();
   put_ledger();
   file_->writer.finish();
+  file_->out.close();
   ended_.push_back({path_, file_->writer.bytes_written()});
+  trouble_ = trouble();
+  file_.reset();
 }
 
 void Recording::make_room() {
@@ -167,11 +197,11 @@ void Recording::make_room() {
 
 void Recording::finish(const LossesByTopic& losses) {
   losses_ = losses;
-  end_part();
-  file_->out.close();
+  end();
 }
 
 std::optional<std::string> Recording::trouble() const {
+  if (trouble_ || !file_) return trouble_;
   if (file_->writer.ok() && file_->out) return std::nullopt;
   return RunRecorder::full(path_);
 }
@@ -179,14 +209,13 @@ std::optional<std::string> Recording::trouble() const {
 std::uint64_t Recording::bytes() const noexcept {
   std::uint64_t sum = 0;
   for (const EndedPart& part : ended_) sum += part.bytes;
-  const bool open = ended_.empty() || ended_.back().path != path_;
-  return open ? sum + file_->writer.bytes_written() : sum;
+  return file_ ? sum + file_->writer.bytes_written() : sum;
 }
 
 std::vector<std::filesystem::path> Recording::files() const {
   std::vector<std::filesystem::path> files;
   for (const EndedPart& part : ended_) files.push_back(part.path);
-  if (files.empty() || files.back() != path_) files.push_back(path_);
+  if (file_) files.push_back(path_);
   return files;
 }
 

@@ -26,6 +26,7 @@ namespace motionlab::record {
 inline constexpr std::string_view kRecordingMetadata = "motionlab/recording";  ///< version, part, host
 inline constexpr std::string_view kLossMetadata = "motionlab/losses";  ///< topic, messages, and what is lost
 inline constexpr std::string_view kWireMetadata = "motionlab/wire";    ///< device, and what its link lost
+inline constexpr std::string_view kOccasionMetadata = "motionlab/occasion";  ///< what a part was begun for
 
 struct AttachedFile {
   std::string name;
@@ -38,12 +39,14 @@ struct RecordingOptions {
   std::uint64_t split_bytes = std::uint64_t{1} << 30;  ///< a part that is so long is the last of its kind
   std::uint64_t disk_bytes = 0;  ///< all parts together; the oldest are deleted; 0: no limit
   int zstd_level = 1;
-  StringMap about{};                     ///< for the metadata of each part
+  bool on_occasion = false;  ///< nothing is written before `begin`; else it begins at once
+  StringMap about{};         ///< for the metadata of each part
   std::vector<AttachedFile> attached{};  ///< to each part
 };
 
 /// Every part is a whole file: schemas, attachments, index, summary, and at its end the ledger of what this
-/// part lacks. A part whose writer was killed lacks the last `kChunk` at most, and its end.
+/// part lacks. A part whose writer was killed lacks the last `kChunk` at most, and its end. A part ends when
+/// it is long enough and the next begins; on occasion, parts begin and end when they are asked to.
 ///
 /// Samples lie in the file as they came, with the time they were heard, the time they were written, and the
 /// DDS number that their writer gave them. One thread.
@@ -52,13 +55,21 @@ class Recording {
   /// No sample waits longer for the file.
   static constexpr Nanoseconds kChunk = 500ms;
 
-  /// @throws StartupError  the file cannot be made
+  /// @throws StartupError  the file cannot be made (on occasion: could not be made now)
   Recording(RecordingOptions options, LabTime now);
 
+  /// Begins a part when none is open. @param occasion  its metadata says so
+  void begin(LabTime now, StringMap occasion);
+  /// Ends the part that is open, if one is.
+  void end();
+
+  /// Writes it down, where a part is open.
   void take(const SampleToRecord& sample, Bytes cdr);
+  /// Does not write it down: the ledger of the next part begins behind it.
+  void pass(const SampleToRecord& sample, Bytes cdr);
   /// Writes what has waited long enough. Call it some times a second.
   void keep_up(LabTime now);
-  /// Ends the last part. @param losses  all of them, since the beginning
+  /// Ends the recording, and the part that is open. @param losses  all of them, since the beginning
   void finish(const LossesByTopic& losses);
 
   /// What keeps it from writing, as a sentence; nothing when all is well.
@@ -91,13 +102,16 @@ class Recording {
 
   void begin_part(LabTime now);
   void end_part();
+  void learn(const SampleToRecord& sample, Bytes cdr);
   void put_ledger();
   void make_room();
   Channel& channel(std::size_t topic);
 
   RecordingOptions options_;
-  std::filesystem::path path_;
-  std::optional<File> file_;
+  std::filesystem::path path_;  ///< of the newest part
+  std::optional<File> file_;    ///< of the part that is open
+  std::optional<std::string> trouble_;  ///< that the last part ended with
+  StringMap occasion_;
   std::uint64_t part_ = 0;
   std::deque<EndedPart> ended_;
   std::uint64_t messages_ = 0;

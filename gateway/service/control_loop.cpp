@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gateway/controller/load_keeper.hpp"
-#include "gateway/controller/thesis_keeper.hpp"
 #include "gateway/estimator/ship_from_mru.hpp"
 
 namespace motionlab::service {
@@ -12,29 +10,10 @@ namespace {
 
 using topic::ModeState;
 
-/// How long the compensation takes to come back after the load was found again.
-constexpr double kShareBack = 2.0;
 /// How long before a state that nobody changed is told again, so that its lease is seen to live.
 constexpr Nanoseconds kModeRepeat = 1s;
 /// How often the control thread tells of itself.
 constexpr Nanoseconds kHealthRepeat = 100ms, kTimingRepeat = 1s;
-/// A reference that moves goes on moving for so long after it was last told.
-constexpr Nanoseconds kReferenceGoesOn = 250ms;
-/// No place of any laboratory is further from its origin.
-constexpr double kFarthestReference = 20.0;
-
-std::unique_ptr<controller::Keeper> keeper_of(const GatewayConfig& config) {
-  const auto& k = config.keeper;
-  if (config.law == ControlLaw::ours) return std::make_unique<controller::LoadKeeper>(k);
-  return std::make_unique<controller::ThesisKeeper>(
-      controller::ThesisKeeperConfig{.arm = k.arm,
-                                     .X_WN = config.belief.calibration.X_WN,
-                                     .X_BR = k.X_BR,
-                                     .servo = k.servo,
-                                     .command_period_s = k.command_period_s,
-                                     .command_latency_s = k.command_latency_s,
-                                     .observer_gain_per_s = k.observer_gain_per_s});
-}
 
 }  // namespace
 
@@ -46,13 +25,11 @@ ControlLoop::ControlLoop(const GatewayConfig& config, bus::LocalBus& local, ArmS
       stopwatch_(std::move(stopwatch)),
       processor_time_(std::move(processor_time)),
       tape_(tape),
-      estimator_(config.belief),
-      keeper_(keeper_of(config)),
+      own_(config),
       guard_(config.limits),
       mount_(config.belief.calibration.mount()),
       readiness_(config),
       modes_(config.authority),
-      reference_{Eigen::Map<const Eigen::Vector3d>(config.p_world_load_reference_m.data())},
       publish_estimate_(local, tape),
       publish_control_(local, tape),
       publish_arm_(local, tape),
@@ -100,18 +77,17 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   if (dt > std::max(config_.comau.driver.command_stale_after_s, config_.winch.driver.command_stale_after_s)) {
     guard_.forget_command();
   }
-  take_requests(inputs);
+  for (const auto& request : inputs.requests) modes_.request(request, t);
+  own_.take(inputs);
   const Snapshot& now = newest_.take(inputs);
-  const topic::Estimate estimate =
-      estimator_.step({t, now.mru, now.load, now.platform, now.arm, now.winch, now.second_mru});
+  const topic::Estimate estimate = own_.estimate(now);
 
-  controller::ModeFacts facts = readiness_.judge({now, estimate, dt, reference_.on_second_ship, wish_missing_,
+  controller::ModeFacts facts = readiness_.judge({now, estimate, dt, own_.on_second_ship(), wish_missing_,
                                                   modes_.applicant() && modes_.applicant()->external});
   facts.at_rest = guard_.at_rest();
   if (now.external_arm) commanded_ = std::min(t, from_ns(now.external_arm->t_created_ns));
   facts.commanded = commanded_;
   modes_.step(facts);
-  coast(now);
 
   const auto wish = this->wish(now, estimate);
   const auto guarded = guard(now, wish, dt);
@@ -134,7 +110,7 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   control.age_bodies_s = age_s(now.load, t);
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
-  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = keeper_->servo_omega_radps();
+  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = own_.servo_omega_radps();
   if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
@@ -149,12 +125,7 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
 std::optional<controller::Wish> ControlLoop::wish(const Snapshot& now, const topic::Estimate& estimate) {
   const bool engaged = modes_.state() == ModeState::engaged;
   const bool external = modes_.lease() && modes_.lease()->external();
-  std::optional<controller::Wish> ours;
-  if (estimate.valid && now.arm) {
-    const LabTime t_send = std::max(now.t, now.t_next_send);
-    ours = keeper_->step({now.t, std::min(t_send, now.t + 10ms), estimate, *now.arm, reference_at(now.t),
-                          horizontal_share_, engaged && !external});
-  }
+  const auto ours = own_.wish(now, estimate, readiness_.load_seen(), engaged && !external);
   wish_missing_ = engaged && !external && !ours;
   if (!external) {
     if (ours) commanded_ = now.t;
@@ -186,42 +157,6 @@ controller::GuardedCommand ControlLoop::guard(const Snapshot& now,
   in.wire_age_s = age_s(now.winch, now.t);
   if (now.mru) in.X_WR = estimator::ship_from_mru(mount_, *now.mru) * config_.keeper.X_BR;
   return guard_.step(in);
-}
-
-void ControlLoop::take_requests(const topic::Snapshot& inputs) {
-  const LabTime t = from_ns(inputs.t_ns);
-  for (const auto& request : inputs.requests) modes_.request(request, t);
-  for (const auto& reference : inputs.references) {
-    const Eigen::Map<const Eigen::Vector3d> p(reference.p_world_load_m.data());
-    const Eigen::Map<const Eigen::Vector3d> v(reference.v_world_load_mps.data());
-    // A reference is a wish like any other: only a possible one counts, and the guard has the last word.
-    const bool possible = reference.frame <= topic::ReferenceFrame::em1500 && p.allFinite() &&
-                          v.allFinite() &&
-                          std::max(p.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()) <= kFarthestReference;
-    if (!possible) continue;
-    reference_ = {p, v, reference.frame == topic::ReferenceFrame::em1500};
-    reference_moved_ = t;
-  }
-  for (const auto& sent : inputs.sent) keeper_->sent(from_ns(sent.t_created_ns), sent);
-}
-
-controller::LoadReference ControlLoop::reference_at(LabTime t) const {
-  controller::LoadReference now = reference_;
-  if (!reference_moved_) return now;
-  const Nanoseconds since = std::min(t - *reference_moved_, kReferenceGoesOn);
-  now.p_WL += seconds(since) * now.v_WL;
-  if (since == kReferenceGoesOn) now.v_WL.setZero();
-  return now;
-}
-
-void ControlLoop::coast(const Snapshot& now) {
-  const auto& rule = config_.qualisys;
-  const auto seen = readiness_.load_seen();
-  const double unseen = seen ? seconds(now.t - *seen) : rule.rest_by_s;
-  const double wanted = std::clamp((rule.rest_by_s - unseen) / (rule.rest_by_s - rule.coast_s), 0.0, 1.0);
-  // Given back slowly: the load may be found far from where it was lost.
-  const double most = horizontal_share_ + config_.control_period_s / kShareBack;
-  horizontal_share_ = modes_.state() == ModeState::engaged ? std::min(wanted, most) : 1.0;
 }
 
 void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand& guarded) {

@@ -2,18 +2,16 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 
 #include "drivers/core/time.hpp"
 #include "gateway/bus/local_bus.hpp"
 #include "gateway/controller/guard.hpp"
-#include "gateway/controller/keeper.hpp"
 #include "gateway/controller/mode_machine.hpp"
-#include "gateway/estimator/lab_estimator.hpp"
 #include "gateway/record/run_tape.hpp"
 #include "gateway/service/devices.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/own_controller.hpp"
 #include "gateway/service/readiness.hpp"
 #include "gateway/service/snapshot.hpp"
 #include "gateway/service/time_keeper.hpp"
@@ -61,17 +59,12 @@ class ControlLoop {
   [[nodiscard]] TimeKeeper& time_keeper() { return time_keeper_; }
 
  private:
-  void take_requests(const topic::Snapshot& inputs);
-  /// Where the load shall be now. A moving place goes on for a moment, then stands.
-  [[nodiscard]] controller::LoadReference reference_at(LabTime t) const;
   /// Whose own commands are taken up: the external owner's, or of one who asks to be engaged.
   [[nodiscard]] Text<32> external_controller(const topic::Snapshot& inputs) const;
   [[nodiscard]] std::optional<controller::Wish> wish(const Snapshot& snapshot,
                                                      const topic::Estimate& estimate);
   [[nodiscard]] controller::GuardedCommand guard(const Snapshot& snapshot,
                                                  const std::optional<controller::Wish>& wish, double dt_s);
-  /// How much of the horizontal motion is compensated while nobody sees the load.
-  void coast(const Snapshot& snapshot);
   void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
   void tell_mode(LabTime t);
   void tell_time(LabTime t);
@@ -82,14 +75,11 @@ class ControlLoop {
   std::function<std::int64_t()> stopwatch_, processor_time_;
   record::RunTape* tape_;
 
-  estimator::LabEstimator estimator_;
-  std::unique_ptr<controller::Keeper> keeper_;
+  OwnController own_;
   controller::Guard guard_;
   estimator::MruMount mount_;
   Readiness readiness_;
   controller::ModeMachine modes_;
-  controller::LoadReference reference_;
-  std::optional<LabTime> reference_moved_;  ///< when a moving reference was last told
 
   Out<topic::Estimate> publish_estimate_;
   Out<topic::Control> publish_control_;
@@ -103,7 +93,6 @@ class ControlLoop {
 
   std::optional<LabTime> stepped_;
   std::optional<LabTime> commanded_;  ///< when whoever is engaged last gave a wish
-  double horizontal_share_ = 1.0;
   bool wish_missing_ = false;
   std::uint64_t steps_ = 0;
   std::uint64_t mode_told_ = 0;

@@ -22,7 +22,7 @@ from_the_desk() {
   ok "$1: seen, measured (gateway-pc to desk $(last_hop "$here/delay.json")), commanded"
 }
 
-start_laboratory
+start_laboratory calm
 
 flags=() pilot_words=()
 start_gateway

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Three hosts on one wire, each a network namespace of its own. To be sourced by a script whose arguments are
-#   GATEWAY SIM HAND PILOT
+#   GATEWAY SIM HAND PILOT (or whatever else commands)
 # gateway-pc 192.168.90.70: simulated laboratory on its loopback, gateway; desk .71: tools; other .72.
 # Exits 77 where no namespace can be made.
 set -euo pipefail
@@ -84,8 +84,8 @@ eventually() {
   done
 }
 
-# start_laboratory: calm, on the loopback of gateway-pc.
-start_laboratory() { start sim gateway-pc "$sim" --config deploy/config/world.toml --scenario calm; }
+# start_laboratory SCENARIO: on the loopback of gateway-pc.
+start_laboratory() { start sim gateway-pc "$sim" --config deploy/config/world.toml --scenario "$1"; }
 
 # start_gateway LINE…: with these lines in its [bus]. Sets $started.
 start_gateway() {

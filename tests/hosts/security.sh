@@ -39,7 +39,7 @@ sees_nothing() {
   if grep -E 'motionlab/(estimate|mode)' "$here/nothing.log"; then fail "$1: topics of the gateway are seen"; fi
 }
 
-start_laboratory
+start_laboratory calm
 
 start_gateway
 look_on none

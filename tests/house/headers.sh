@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Every header includes what it needs. What a source includes before anything else has shown it by being built; the others are
-# compiled here.
+# Every public header includes what it needs. What a source includes before anything else has shown it by being built; the
+# others are compiled here.
 #   headers.sh COMPILER BUILD_FOLDER     (the build folder has the headers made from idl/)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 export compiler=$1 made=$2
 
-files() { find drivers gateway simulators tests -name node_modules -prune -o -name "$1" -print; }
+files() { find "${@:2}" -name node_modules -prune -o -name "$1" -print; }
 
 alone() {
   echo "#include \"$1\"" | "$compiler" -x c++ -std=c++20 -fsyntax-only -DMOTIONLAB_SOURCE_DIR='"."' -I. -I"$made/plain" -isystem "$made/twins" \
@@ -17,5 +17,5 @@ alone() {
 }
 export -f alone
 
-shown=$(files '*.cpp' | xargs grep -hm1 '^#include' | sed -n 's/^#include "\(.*\)"$/\1/p' | sort -u)
-files '*.hpp' | grep -vxFf <(echo "$shown") | xargs -n 1 -P "$(nproc)" bash -c "alone \"\$0\""
+shown=$(files '*.cpp' drivers gateway simulators tests | xargs grep -hm1 '^#include' | sed -n 's/^#include "\(.*\)"$/\1/p' | sort -u)
+files '*.hpp' drivers gateway simulators | grep -vxFf <(echo "$shown") | xargs -n 1 -P "$(nproc)" bash -c "alone \"\$0\""

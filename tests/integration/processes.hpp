@@ -92,6 +92,19 @@ class Child {
   std::optional<int> ended_;
 };
 
+/// Processor time of a process so far, in seconds.
+[[nodiscard]] inline double processor_s(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(in, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 2));
+  std::string word;
+  for (int i = 3; i < 14; ++i) fields >> word;  // up to field 13, cmajflt
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 /// A socket of the test's own on 127.0.0.1.
 class RawSocket {
  public:

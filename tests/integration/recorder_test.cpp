@@ -45,19 +45,6 @@ std::uint64_t messages_of(const nlohmann::json& seen, const std::string& topic) 
   return 0;
 }
 
-/// Processor time of a process so far, in seconds.
-double processor_s(pid_t process) {
-  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
-  std::string text;
-  std::getline(in, text);
-  std::istringstream fields(text.substr(text.rfind(')') + 2));
-  std::string word;
-  for (int i = 3; i < 14; ++i) fields >> word;  // up to field 13, cmajflt
-  double user = 0, system = 0;
-  fields >> user >> system;
-  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
-}
-
 TEST_F(Recorders, WriteDownALaboratoryUnderAServiceManager) {
   NotifySocket systemd{std::chrono::seconds{10}};
   const auto recorder = start_recorder({"-o", file("run.mcap")});

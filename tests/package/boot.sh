@@ -220,3 +220,27 @@ eventually 90 is ActiveState active || fail "the target does not start it"
 in_container systemctl stop motionlab.target
 eventually 60 is ActiveState inactive || fail "the target does not stop it"
 ok "starts and stops with motionlab.target"
+
+# --- on a protected bus, as deploy/docs/security.md says
+
+deploy/security/identities.sh "$here/identities" gateway operator=anna >"$here/identities.log"
+install -d "$root/etc/motionlab/identity" "$root/etc/systemd/system/motionlab-gateway.service.d"
+install -m 0600 "$here"/identities/gateway/* "$root/etc/motionlab/identity/"
+cp -r "$here/identities/anna" "$root/root/anna"
+awk '/^\[Service\]/ { on = 1 } /^```/ { on = 0 } on' deploy/docs/security.md \
+  >"$root/etc/systemd/system/motionlab-gateway.service.d/identity.conf"
+# shellcheck disable=SC2016 # the backticks are the document's
+protected=$(sed -n 's/^and `\(\[bus\] security = ".*"\)`\.$/\1/p' deploy/docs/security.md)
+[[ -n $protected ]] || fail "deploy/docs/security.md does not say what [bus] security must be"
+printf '[bus]\n%s\n' "${protected#\[bus\] }" >>"$root/etc/motionlab/slow-machine.toml"
+in_container systemctl daemon-reload
+in_container systemctl start motionlab-sim
+in_container systemctl start motionlab-gateway || fail "it does not start with an identity"
+eventually 60 status_has "ready: " || fail "it is not ready with an identity: $(property StatusText)"
+healthy() { in_container motionlab --security /root/anna --timeout 10 status >"$here/status" 2>&1; }
+eventually 60 healthy || fail "an operator does not see it: $(cat "$here/status")"
+code=0
+in_container motionlab --timeout 5 status >"$here/status" 2>&1 || code=$?
+((code == 2)) || fail "who has no identity sees it: $(cat "$here/status")"
+in_container systemctl stop motionlab-gateway motionlab-sim
+ok "has its identity handed over by systemd, and is seen by an operator alone"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "drivers/core/error.hpp"
-#include "gateway/service/program/log.hpp"
+#include "gateway/service/log/log.hpp"
 #include "gateway/service/wiring.hpp"
 
 namespace motionlab::service {

@@ -12,7 +12,7 @@
 #include "gateway/service/gateway_config.hpp"
 #include "gateway/service/nftables.hpp"
 #include "gateway/service/program/house.hpp"
-#include "gateway/service/program/log.hpp"
+#include "gateway/service/log/log.hpp"
 #include "gateway/service/program/settle.hpp"
 #include "gateway/service/wiring.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "drivers/core/error.hpp"
 #include "drivers/core/real_clock.hpp"
-#include "gateway/service/program/log.hpp"
+#include "gateway/service/log/log.hpp"
 
 namespace motionlab::service {
 

@@ -292,6 +292,21 @@ TEST(DdsBus, SendsThePacedTopicsLessOftenThanTheyAreMade) {
   EXPECT_EQ(gateway.dds.counters().lost_locally, 0u);
 }
 
+TEST(DdsBus, SendsOfCommandsThatGoBothWaysTheNewestOfEachWhoCommands) {
+  Side gateway{loopback("gateway")};
+  gateway.dds.both<topic::ArmCommand>();
+  auto publisher = gateway.local.advertise<topic::ArmCommand>();
+  topic::ArmCommand command;
+  for (const char* const requester : {"gateway", "second"}) {
+    command.requester = requester;
+    for (command.sequence_number = 1; command.sequence_number <= 100; ++command.sequence_number)
+      publisher.publish(command);
+  }
+  ASSERT_TRUE(eventually([&] { return gateway.dds.run_once(100ms) > 0; }));
+  EXPECT_EQ(gateway.dds.counters().written, 2u);
+  EXPECT_EQ(gateway.dds.counters().lost_locally, 0u);
+}
+
 TEST(DdsBus, SaysWhatToDoAboutAConfigurationThatCannotWork) {
   LocalBus local;
   DdsConfig config = loopback("wrong");

@@ -178,9 +178,10 @@ class RecordingCommands : public testing::Test {
 
 TEST_F(RecordingCommands, RecordsWhatIsSaidAndVerifiesIt) {
   const Speaker speaker;
-  std::ofstream(folder_ / "lab.toml") << "[control]\n";
-  const Answer answer =
-      motionlab({"record", "-o", at("run.mcap"), "--seconds", "3", "--config", at("lab.toml"), "--json"});
+  std::ofstream(folder_ / "lab.toml") << "[control]\nperiod_s = 0.001  # measured\n";
+  std::ofstream(folder_ / "slow.toml") << "[control]\nperiod_s = 0.002\n";
+  const Answer answer = motionlab({"record", "-o", at("run.mcap"), "--seconds", "3", "--config",
+                                   at("lab.toml"), "--overlay", at("slow.toml"), "--json"});
   ASSERT_EQ(answer.exit_code, kExitGood) << answer.err;
   const Json json = Json::parse(answer.out);
   EXPECT_EQ(json.at("files"), Json::array({at("run.mcap")}));
@@ -192,7 +193,11 @@ TEST_F(RecordingCommands, RecordsWhatIsSaidAndVerifiesIt) {
   const Answer seen = motionlab({"verify", at("run.mcap")});
   EXPECT_THAT(seen.out, StartsWith("whole, written by motionlab "));
   EXPECT_THAT(seen.out, HasSubstr("on DDS, 0 in the queue, 0 refused"));
-  EXPECT_THAT(seen.out, HasSubstr("attached: lab.toml, 10 bytes"));
+  EXPECT_THAT(seen.out, HasSubstr("attached: gateway.toml, "));
+  EXPECT_THAT(seen.out, HasSubstr("attached: lab.toml, 39 bytes"));
+  EXPECT_THAT(seen.out, HasSubstr("attached: slow.toml, 27 bytes"));
+  const std::string whole = text_of(at("run.mcap"));
+  EXPECT_THAT(whole, HasSubstr("[control]\nperiod_s = 0.002")) << "what is in effect, as one text";
 }
 
 TEST_F(RecordingCommands, RecordsOnlyTheTopicsThatWereNamedIntoAFolder) {
@@ -206,6 +211,21 @@ TEST_F(RecordingCommands, RecordsOnlyTheTopicsThatWereNamedIntoAFolder) {
   const auto messages = messages_in(file.filename());
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_GT(messages.at("motionlab/event"), 0);
+}
+
+TEST_F(RecordingCommands, KeepsWhatSurroundsAnEventAndNothingElse) {
+  const Speaker speaker;  // of events that are worth no more than "info"
+  const Answer quiet =
+      motionlab({"record", "-o", at("fault.mcap"), "--on-event", "fault", "--seconds", "2", "--json"});
+  EXPECT_EQ(quiet.exit_code, kExitGood) << quiet.err;
+  EXPECT_EQ(Json::parse(quiet.out).at("files"), Json::array());
+  const Answer answer = motionlab({"record", "-o", at("info.mcap"), "--on-event", "info", "--topics", "mru",
+                                   "--before", "0.2", "--after", "0.2", "--seconds", "2", "--json"});
+  ASSERT_EQ(answer.exit_code, kExitGood) << answer.err;
+  const auto messages = messages_in("info.mcap");
+  EXPECT_GT(messages.at("motionlab/mru"), 20);
+  EXPECT_GT(messages.at("motionlab/event"), 3) << "they open the windows, named or not";
+  EXPECT_THAT(motionlab({"verify", at("info.mcap")}).out, HasSubstr("motionlab/occasion after_s 0.200"));
 }
 
 TEST_F(RecordingCommands, EndsWholeWhenItIsInterrupted) {
@@ -232,7 +252,11 @@ TEST_F(RecordingCommands, RefusesWhatMakesNoSense) {
   EXPECT_THAT(motionlab({"record", "-o", at("x.mcap"), "--topics", "motionlab/mrru"}).err,
               HasSubstr("there is no topic motionlab/mrru; do you mean motionlab/mru?"));
   EXPECT_THAT(motionlab({"record", "-o", at("x.mcap"), "--config", at("none.toml")}).err,
-              HasSubstr("--config wants a file"));
+              HasSubstr("none.toml"));
+  EXPECT_THAT(motionlab({"record", "-o", at("x.mcap"), "--attach", at("none.bin")}).err,
+              HasSubstr("a file to attach must be there"));
+  EXPECT_EQ(motionlab({"record", "-o", at("x.mcap"), "--before", "3"}).exit_code, kExitUsage)
+      << "before what?";
   EXPECT_THAT(motionlab({"record", "-o", at("none/x.mcap")}).err, HasSubstr("choose a folder that exists"));
   EXPECT_THAT(motionlab({"verify", at("none.mcap")}).err, HasSubstr("No such file"));
   EXPECT_THAT(motionlab({"export", at("none.mcap")}).err, HasSubstr("--csv"));

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -264,6 +265,27 @@ TEST_F(RecordingTest, EndsWithAWordWhenTheDiskIsFullAndKeepsWhatIsThere) {
   ASSERT_FALSE(contents.numbers.empty());
   for (std::size_t i = 0; i < contents.numbers.size(); ++i) ASSERT_EQ(contents.numbers[i], i + 1);
   EXPECT_GE(contents.numbers.size() + 2 * kChunkSamples + 100, full_at);
+}
+
+TEST_F(RecordingTest, GrowsNoMemoryInADay) {
+  RecordingOptions wanted = options();
+  wanted.split_bytes = 200'000;
+  wanted.disk_bytes = 1'000'000;
+  Recording recording(wanted, now());
+  std::size_t in_the_morning = 0;
+  constexpr int kDay_s = 24 * 3600;
+  for (int second = 0; second < kDay_s; ++second) {
+    topic::Health health;
+    health.device = "mru1";
+    push(health, static_cast<std::uint64_t>(second));
+    number_ += static_cast<std::uint64_t>(1s / 5ms);  // of time
+    drain(recording);
+    recording.keep_up(now());
+    if (second == kDay_s / 24) in_the_morning = mallinfo2().uordblks;
+  }
+  EXPECT_LE(mallinfo2().uordblks, in_the_morning + 128 * 1024) << "one index of a part more or less";
+  recording.finish(queue_.ledger().all());
+  EXPECT_GT(recording.messages(), 86'000U);
 }
 
 TEST_F(RecordingTest, IsNamedByTheDate) {

@@ -1,4 +1,4 @@
-#include "gateway/service/program/log.hpp"
+#include "gateway/service/log/log.hpp"
 
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
