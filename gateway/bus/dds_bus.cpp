@@ -73,7 +73,9 @@ class Out final : public Link, private fast::DataWriterListener {
   /// @param arrivals  what comes in by this bus and does not go out again; may be null
   Out(LocalBus& local, const std::shared_ptr<Wakeup>& wakeup, AtomicCounters& counters, bool paced,
       const Publisher<T>* arrivals)
-      : counters_{counters}, paced_{paced}, samples_{local.subscribe<T>(paced ? nullptr : wakeup, arrivals)} {}
+      : counters_{counters},
+        paced_{paced},
+        samples_{local.subscribe<T>(paced ? nullptr : wakeup, arrivals)} {}
 
   bool create(fast::Publisher& publisher, fast::Topic& topic, const TopicShape& shape) {
     writer_ = publisher.create_datawriter(&topic, writer_qos(shape), this);

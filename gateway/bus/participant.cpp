@@ -9,11 +9,14 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 
 #include "drivers/core/error.hpp"
 #include "gateway/bus/discovery.hpp"
@@ -27,10 +30,19 @@ namespace fast = eprosima::fastdds::dds;
 
 constexpr int kMaxDomain = 232;  // beyond it the port numbers end
 
+/// What Fast DDS complains about goes to standard error: standard output belongs to the program.
+void complain_on_standard_error() {
+  auto to_stderr = std::make_unique<fast::StdoutErrConsumer>();
+  to_stderr->stderr_threshold(fast::Log::Kind::Info);  // all that it says
+  fast::Log::ClearConsumers();
+  fast::Log::RegisterConsumer(std::move(to_stderr));
+}
+
 /// Once per process, before the first participant: the type registry of Fast DDS is not safe against its own
 /// discovery threads, and a reader of the same process would otherwise run on the writer's thread.
 void prepare_fast_dds() {
   static const bool prepared = [] {
+    complain_on_standard_error();
 #define MOTIONLAB_REGISTER(Type) (void)TwinOf<topic::Type>::Twin{};
     MOTIONLAB_FOR_EACH_TOPIC_TYPE(MOTIONLAB_REGISTER)
 #undef MOTIONLAB_REGISTER

@@ -357,7 +357,9 @@ void add_record(CLI::App& app, Chosen& chosen) {
       ->type_name("TOPIC");
   command->add_option("--seconds", record.seconds, "end after so many seconds (until Ctrl-C)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--config", record.config, "the gateway's lab.toml: attached, and what is in effect with its overlays")
+  command
+      ->add_option("--config", record.config,
+                   "the gateway's lab.toml: attached, and what is in effect with its overlays")
       ->type_name("FILE");
   command->add_option("--overlay", record.overlays, "the gateway's overlay; may be given several times")
       ->allow_extra_args(false)
@@ -369,7 +371,8 @@ void add_record(CLI::App& app, Chosen& chosen) {
   CLI::Option* const on_event =
       command
           ->add_option("--on-event", record.on_event,
-                       "only what surrounds such events, each into a file of its own: info, warning, fault (at least so "
+                       "only what surrounds such events, each into a file of its own: info, warning, fault "
+                       "(at least so "
                        "severe) or the code of an event; several with commas between them")
           ->delimiter(',')
           ->allow_extra_args(false)

@@ -65,7 +65,8 @@ std::optional<EventWindow> window_of(const RecordCommand& command) {
 std::vector<std::size_t> rows_of(const RecordCommand& command) {
   std::vector<std::size_t> rows = rows_named(command.topics);
   constexpr std::size_t kEvents = bus::topic_index<topic::Event>();
-  if (!command.on_event.empty() && !rows.empty() && std::find(rows.begin(), rows.end(), kEvents) == rows.end())
+  if (!command.on_event.empty() && !rows.empty() &&
+      std::find(rows.begin(), rows.end(), kEvents) == rows.end())
     rows.push_back(kEvents);
   return rows;
 }

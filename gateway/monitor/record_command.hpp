@@ -11,10 +11,10 @@
 namespace motionlab::monitor {
 
 struct RecordCommand {
-  std::string to;                    ///< a file or a folder; empty: a dated file here
-  std::vector<std::string> topics;   ///< names of the house, "mru" for short; empty: all
-  std::optional<double> seconds;     ///< nothing: until it is interrupted
-  std::string config;                ///< the gateway's: attached, with its overlays as gateway.toml too
+  std::string to;                   ///< a file or a folder; empty: a dated file here
+  std::vector<std::string> topics;  ///< names of the house, "mru" for short; empty: all
+  std::optional<double> seconds;    ///< nothing: until it is interrupted
+  std::string config;               ///< the gateway's: attached, with its overlays as gateway.toml too
   std::vector<std::string> overlays;
   std::vector<std::string> attachments;  ///< any other files
   std::uint64_t split_mb = 1024;

@@ -39,8 +39,8 @@ struct RecordingOptions {
   std::uint64_t split_bytes = std::uint64_t{1} << 30;  ///< a part that is so long is the last of its kind
   std::uint64_t disk_bytes = 0;  ///< all parts together; the oldest are deleted; 0: no limit
   int zstd_level = 1;
-  bool on_occasion = false;  ///< nothing is written before `begin`; else it begins at once
-  StringMap about{};         ///< for the metadata of each part
+  bool on_occasion = false;              ///< nothing is written before `begin`; else it begins at once
+  StringMap about{};                     ///< for the metadata of each part
   std::vector<AttachedFile> attached{};  ///< to each part
 };
 
@@ -108,8 +108,8 @@ class Recording {
   Channel& channel(std::size_t topic);
 
   RecordingOptions options_;
-  std::filesystem::path path_;  ///< of the newest part
-  std::optional<File> file_;    ///< of the part that is open
+  std::filesystem::path path_;          ///< of the newest part
+  std::optional<File> file_;            ///< of the part that is open
   std::optional<std::string> trouble_;  ///< that the last part ended with
   StringMap occasion_;
   std::uint64_t part_ = 0;

@@ -64,8 +64,7 @@ std::optional<controller::Wish> OwnController::wish(const Snapshot& now, const t
   coast(now.t, load_seen, engaged);
   if (!estimate.valid || !now.arm) return std::nullopt;
   const LabTime t_send = std::clamp(now.t_next_send, now.t, now.t + kFarthestSend);
-  return keeper_->step(
-      {now.t, t_send, estimate, *now.arm, reference_at(now.t), horizontal_share_, engaged});
+  return keeper_->step({now.t, t_send, estimate, *now.arm, reference_at(now.t), horizontal_share_, engaged});
 }
 
 controller::LoadReference OwnController::reference_at(LabTime t) const {

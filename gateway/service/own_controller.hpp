@@ -24,8 +24,8 @@ class OwnController {
   void take(const topic::Snapshot& inputs);
   [[nodiscard]] topic::Estimate estimate(const Snapshot& now);
   /// What arm and winch shall do; nothing when it knows no way.
-  /// @param load_seen  when the cameras last saw the load: the longer ago, the less of the horizontal motion is
-  /// compensated
+  /// @param load_seen  when the cameras last saw the load: the longer ago, the less of the horizontal motion
+  /// is compensated
   /// @param engaged  its wish counts; else it wishes rest
   [[nodiscard]] std::optional<controller::Wish> wish(const Snapshot& now, const topic::Estimate& estimate,
                                                      std::optional<LabTime> load_seen, bool engaged);

@@ -31,7 +31,8 @@ bool RemoteController::step(LabTime t) {
 
 bool RemoteController::owns_the_crane() const {
   const auto mode = mode_.newest();
-  return mode && mode->state == topic::ModeState::engaged && mode->external_controller && mode->owner == name_;
+  return mode && mode->state == topic::ModeState::engaged && mode->external_controller &&
+         mode->owner == name_;
 }
 
 void RemoteController::hear_what_left() {

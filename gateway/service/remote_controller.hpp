@@ -18,9 +18,9 @@ namespace motionlab::service {
 /// Estimates from what a gateway elsewhere publishes, and commands as an external controller of it. That
 /// gateway's modes, guard and deadman have the last word, as with anybody's controller.
 ///
-/// It commands in every step in which it knows what to do, rest while it does not own the crane, so that it can
-/// be engaged; silent otherwise, which ends its lease. Samples, commands and lease compare the clocks of both
-/// hosts: they must be disciplined. One thread; a step never allocates, locks, logs or does I/O.
+/// It commands in every step in which it knows what to do, rest while it does not own the crane, so that it
+/// can be engaged; silent otherwise, which ends its lease. Samples, commands and lease compare the clocks of
+/// both hosts: they must be disciplined. One thread; a step never allocates, locks, logs or does I/O.
 class RemoteController {
  public:
   /// @param local  carries both ways what DdsBus carries between the hosts; outlives this

@@ -22,9 +22,8 @@ class PageClient {
     namespace http = boost::beast::http;
     boost::asio::ip::tcp::endpoint there(boost::asio::ip::make_address("127.0.0.1"), port);
     boost::beast::get_lowest_layer(socket_).connect(there);
-    socket_.set_option(boost::beast::websocket::stream_base::decorator([](auto& request) {
-      request.set(http::field::sec_websocket_protocol, "foxglove.websocket.v1");
-    }));
+    socket_.set_option(boost::beast::websocket::stream_base::decorator(
+        [](auto& request) { request.set(http::field::sec_websocket_protocol, "foxglove.websocket.v1"); }));
     socket_.handshake("127.0.0.1:" + std::to_string(port), "/?hz=30");
     thread_ = std::thread([this] { listen(); });
   }

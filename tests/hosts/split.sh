@@ -16,7 +16,7 @@ start_controller() {
 }
 readonly scenario=thesis-wave
 start_laboratory "$scenario"
-start_gateway
+start_gateway ''
 readonly running=$started
 
 start_controller

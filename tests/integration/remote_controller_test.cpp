@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -109,7 +110,7 @@ class FarHost {
 };
 
 /// Scenario, delay each way in ms, the largest rms error of the load in m.
-class ControllerFarAway : public testing::TestWithParam<std::tuple<const char*, int, double>> {};
+class ControllerFarAway : public testing::TestWithParam<std::tuple<std::string, int, double>> {};
 
 TEST_P(ControllerFarAway, KeepsTheLoadStillAndLosesItsLeaseWhenTheWayIsCut) {
   const auto [scenario, delay_ms, most_m] = GetParam();
@@ -139,10 +140,10 @@ TEST_P(ControllerFarAway, KeepsTheLoadStillAndLosesItsLeaseWhenTheWayIsCut) {
   EXPECT_TRUE(line.steps().back().at_rest());
 }
 
+using Way = ControllerFarAway::ParamType;
 INSTANTIATE_TEST_SUITE_P(Ways, ControllerFarAway,
-                         testing::Values(std::tuple{"thesis-wave", 0, 0.010},
-                                         std::tuple{"thesis-wave", 2, 0.012}, std::tuple{"sea", 1, 0.012},
-                                         std::tuple{"thesis-wave", 10, 0.030}));
+                         testing::Values(Way{"thesis-wave", 0, 0.010}, Way{"thesis-wave", 2, 0.012},
+                                         Way{"sea", 1, 0.012}, Way{"thesis-wave", 10, 0.030}));
 
 }  // namespace
 }  // namespace motionlab::integration

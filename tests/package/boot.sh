@@ -226,7 +226,7 @@ ok "starts and stops with motionlab.target"
 deploy/security/identities.sh "$here/identities" gateway operator=anna >"$here/identities.log"
 install -d "$root/etc/motionlab/identity" "$root/etc/systemd/system/motionlab-gateway.service.d"
 install -m 0600 "$here"/identities/gateway/* "$root/etc/motionlab/identity/"
-cp -r "$here/identities/anna" "$root/root/anna"
+cp -r "$here/identities/anna" "$root/srv/anna"
 awk '/^\[Service\]/ { on = 1 } /^```/ { on = 0 } on' deploy/docs/security.md \
   >"$root/etc/systemd/system/motionlab-gateway.service.d/identity.conf"
 # shellcheck disable=SC2016 # the backticks are the document's
@@ -237,7 +237,7 @@ in_container systemctl daemon-reload
 in_container systemctl start motionlab-sim
 in_container systemctl start motionlab-gateway || fail "it does not start with an identity"
 eventually 60 status_has "ready: " || fail "it is not ready with an identity: $(property StatusText)"
-healthy() { in_container motionlab --security /root/anna --timeout 10 status >"$here/status" 2>&1; }
+healthy() { in_container motionlab --security /srv/anna --timeout 10 status >"$here/status" 2>&1; }
 eventually 60 healthy || fail "an operator does not see it: $(cat "$here/status")"
 code=0
 in_container motionlab --timeout 5 status >"$here/status" 2>&1 || code=$?

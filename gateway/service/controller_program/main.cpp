@@ -34,12 +34,15 @@ int main(int argc, char** argv) {
       "Estimator and controller on another host than the gateway with the drivers. It hears by DDS what they "
       "measure and commands as an external controller; modes, guard and deadman stay where the drivers are. "
       "Ends with 1 when the gateway lets it go, and never engages a second time."};
-  app.add_option("--config", config, "the gateway's lab.toml; default: found in deploy/config or /etc/motionlab");
+  app.add_option("--config", config,
+                 "the gateway's lab.toml; default: found in deploy/config or /etc/motionlab");
   app.add_option("--overlay", overlays, "laid over the configuration, in order: [bus] of this host");
   app.add_option("--name", name, "as which it commands (" + name + ")")->check([](const std::string& wanted) {
-    return wanted.empty() || wanted.size() > Text<32>::kCapacity ? std::string{"a name has 1 to 32 letters"} : "";
+    return wanted.empty() || wanted.size() > Text<32>::kCapacity ? std::string{"a name has 1 to 32 letters"}
+                                                                 : "";
   });
-  app.add_flag("--engage", engage, "ask to be engaged as soon as the gateway is ready; else it only says what it would do");
+  app.add_flag("--engage", engage,
+               "ask to be engaged as soon as the gateway is ready; else it only says what it would do");
   CLI11_PARSE(app, argc, argv);
   service::open_log();
   try {

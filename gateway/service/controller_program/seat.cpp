@@ -11,10 +11,10 @@
 namespace motionlab::service {
 namespace {
 
-constexpr int kPriority = 60;                // of the control thread, under SCHED_FIFO
-constexpr Nanoseconds kAsk = 500ms;          // from request to request, until one is obeyed
-constexpr Nanoseconds kModeSilent = 3s;      // a gateway that lives tells its mode each second
-constexpr Nanoseconds kStopPatience = 8s;    // for arm and winch to come to rest
+constexpr int kPriority = 60;              // of the control thread, under SCHED_FIFO
+constexpr Nanoseconds kAsk = 500ms;        // from request to request, until one is obeyed
+constexpr Nanoseconds kModeSilent = 3s;    // a gateway that lives tells its mode each second
+constexpr Nanoseconds kStopPatience = 8s;  // for arm and winch to come to rest
 
 sigset_t block_signals() {
   sigset_t signals;
@@ -90,7 +90,8 @@ Seat::State Seat::look(LabTime now) {
     say(LogLevel::error, "controller", "let_go", "let go by the gateway: " + mode->reason.str());
   } else if (state_ == State::owning && now - mode_heard_ > kModeSilent) {
     state_ = State::lost;
-    say(LogLevel::error, "controller", "gateway_silent", "the gateway has fallen silent: is its host up, and the network?");
+    say(LogLevel::error, "controller", "gateway_silent",
+        "the gateway has fallen silent: is its host up, and the network?");
   }
   return state_;
 }
@@ -128,7 +129,8 @@ void Seat::settle() {
            (mode->state == topic::ModeState::engaged || mode->state == topic::ModeState::stopping);
   };
   for (; moving() && clock_.now() < end; std::this_thread::sleep_for(50ms)) ask(topic::ModeAction::settle);
-  say(LogLevel::info, "controller", "ended", "ended: " + (moving() ? std::string{"not yet at rest"} : "at rest"));
+  say(LogLevel::info, "controller", "ended",
+      "ended: " + (moving() ? std::string{"not yet at rest"} : "at rest"));
 }
 
 }  // namespace motionlab::service

@@ -1,4 +1,5 @@
-/// @file  The seat of a controller that is on another host than its gateway: threads, DDS, and who asks for what.
+/// @file  The seat of a controller that is on another host than its gateway: threads, DDS, and who asks for
+/// what.
 #pragma once
 
 #include <atomic>

@@ -10,9 +10,9 @@
 #include "drivers/core/error.hpp"
 #include "gateway/deadman/deadman.hpp"
 #include "gateway/service/gateway_config.hpp"
+#include "gateway/service/log/log.hpp"
 #include "gateway/service/nftables.hpp"
 #include "gateway/service/program/house.hpp"
-#include "gateway/service/log/log.hpp"
 #include "gateway/service/program/settle.hpp"
 #include "gateway/service/wiring.hpp"
 

@@ -60,7 +60,8 @@ TEST(ADayOfTheConsole, RemembersNoMoreInTheEveningThanInTheMorning) {
     }
     say(bus::topic_index<topic::Event>(), "");
     say(bus::topic_index<topic::Mode>(), "");
-    say(bus::topic_index<topic::Mru>(), "stranger" + std::to_string(second));  // a name of his own each second
+    say(bus::topic_index<topic::Mru>(),
+        "stranger" + std::to_string(second));  // a name of his own each second
     if (second == kDay_s / 24) in_the_morning = allocated();
   }
   EXPECT_GT(samples, 12'000'000U);

@@ -76,7 +76,8 @@ class EventWindowsTest : public testing::Test {
   template <class T>
   void tell(EventWindows& windows, const T& sample, std::uint64_t sequence) {
     (void)queue_.push(Heard(sample, sequence, to_ns(now_)).sample());
-    while (queue_.pop([&](const record::SampleToRecord& head, Bytes cdr) { windows.take(head, cdr); })) continue;
+    while (queue_.pop([&](const record::SampleToRecord& head, Bytes cdr) { windows.take(head, cdr); }))
+      continue;
   }
   void happens(EventWindows& windows, topic::Severity severity, const std::string& code) {
     topic::Event event;
