@@ -38,7 +38,7 @@ await judge({
       strict.ok(seen.messages.some((message) => message.topic === `motionlab/${topic}`), `a message of ${topic}`);
     }
     strict.ok(seen.messages.some((message) => message.topic === "truth/world"));
-    strict.deepEqual(seen.attachments.map((attachment) => attachment.name), ["lab.toml"]);
+    strict.deepEqual(seen.attachments.map((attachment) => attachment.name), ["gateway.toml", "lab.toml"]);
   },
   "the file has its origin and a ledger of every topic": async () => {
     const entries = (name) => seen.metadata.filter((entry) => entry.name === name).map((entry) => Object.fromEntries(entry.metadata));
