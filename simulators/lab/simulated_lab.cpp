@@ -112,24 +112,25 @@ winch::DeviceConfig plc(const LabConfig& lab) {
   return device;
 }
 
+plc_reply::DeviceConfig remote_interface(const LabConfig& lab) {
+  plc_reply::DeviceConfig device = lab.plc_reply;
+  device.seed = lab.seed;
+  return device;
+}
+
 /// The PLC's remote interface with its wire.
 struct PlcEnd {
   PlcEnd(const LabConfig& config, Network& network)
       : wire(network, config.seed, std::string(kPlc),
              [this](Nanoseconds jump) { device.set_clock_jump(jump); }),
         socket(wire.datagram(config.plc_reply_listen)),
-        device(with_seed(config.plc_reply, config.seed), *socket) {
+        device(remote_interface(config), *socket) {
     socket->on_datagram(
         [this](Bytes datagram, Endpoint from, LabTime t) { device.on_datagram(datagram, from, t); });
   }
   ~PlcEnd() { socket->on_datagram({}); }
   PlcEnd(const PlcEnd&) = delete;
   PlcEnd& operator=(const PlcEnd&) = delete;
-
-  static plc_reply::DeviceConfig with_seed(plc_reply::DeviceConfig device, std::uint64_t seed) {
-    device.seed = seed;
-    return device;
-  }
 
   faults::FaultyWire wire;
   std::unique_ptr<DatagramSocket> socket;
