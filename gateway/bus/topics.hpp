@@ -50,6 +50,9 @@ struct TopicTraits<topic::Mru> : TopicDefaults {
   static constexpr std::string_view name = "motionlab/mru";
   static constexpr QosClass qos = QosClass::sensor;
   static constexpr double period_s = 0.005;
+  /// What the PLC's remote reply lacks of a unit.
+  static constexpr std::array<std::string_view, 5> may_be_nan{
+      "omega_down_radps", "v_mru_mps", "a_mru_mps2", "a_heading_origin_mps2", "sensor_temperature_degc"};
 };
 
 template <>
@@ -57,6 +60,7 @@ struct TopicTraits<topic::Bodies> : TopicDefaults {
   static constexpr std::string_view name = "motionlab/bodies";
   static constexpr QosClass qos = QosClass::sensor;
   static constexpr double period_s = 0.005;
+  static constexpr std::array<std::string_view, 1> may_be_nan{"residual_m"};
 };
 
 template <>

@@ -133,6 +133,11 @@ Findings look_for_devices(const service::GatewayConfig& config, const std::atomi
   say.push_back({Grade::warn, config.comau.driver.device,
                  "not looked at: the robot computer answers only who commands it",
                  "start the gateway, which moves nothing until it is asked to, and call the doctor again"});
+  if (config.plc_reply) {
+    say.push_back({Grade::warn, config.plc_reply->driver.device,
+                   "not looked at: the PLC answers only who asks it",
+                   "start the gateway, and call the doctor again"});
+  }
   return say;
 }
 

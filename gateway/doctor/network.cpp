@@ -86,6 +86,7 @@ std::vector<Door> doors(const service::GatewayConfig& config) {
   for (const auto& mru : config.mrus) all.push_back({mru.driver.device, mru.listen});
   all.push_back({config.qualisys.driver.device, config.qualisys.listen});
   all.push_back({config.comau.driver.device, config.comau.listen});
+  if (config.plc_reply) all.push_back({config.plc_reply->driver.device, config.plc_reply->listen});
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "gateway/service/devices.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "gateway/service/snapshot.hpp"
 
@@ -57,6 +58,21 @@ struct Devices::Impl {
     std::unique_ptr<DatagramSocket> socket;
   };
 
+  /// The PLC's remote reply with its socket.
+  struct PlcReplyEnd {
+    PlcReplyEnd(const PlcReplyLink& link, Network& network, Sink<topic::Bodies> on_body,
+                Sink<topic::Mru> on_mru)
+        : config(link),
+          socket(network.datagram(link.listen)),
+          driver(link.driver, *socket, std::move(on_body), std::move(on_mru)) {
+      socket->on_datagram(
+          [this](Bytes bytes, Endpoint from, LabTime t) { driver.on_datagram(bytes, from, t); });
+    }
+    PlcReplyLink config;
+    std::unique_ptr<DatagramSocket> socket;
+    plc_reply::PlcReplyDriver driver;
+  };
+
   Impl(const GatewayConfig& c, Network& network, bus::LocalBus& local, ArmSchedule& arm_schedule,
        Sink<topic::ArmCommand> on_arm_sent_in)
       : config(c),
@@ -88,6 +104,11 @@ struct Devices::Impl {
       mrus.push_back(
           std::make_unique<MruEnd>(link, network, [this](const topic::Mru& m) { publish_mru.publish(m); }));
     }
+    if (c.plc_reply) {
+      plc_reply.emplace(
+          *c.plc_reply, network, [this](const topic::Bodies& b) { publish_bodies.publish(b); },
+          [this](const topic::Mru& m) { publish_mru.publish(m); });
+    }
     comau_socket->on_datagram(
         [this](Bytes bytes, Endpoint from, LabTime t) { arm.on_datagram(bytes, from, t); });
     qualisys_socket->on_datagram(
@@ -114,6 +135,10 @@ struct Devices::Impl {
             arm.clock_drift_ppm());
     publish(config.winch.driver.device, winch.health(), config.winch.rule, winch.clock().offset_s(),
             winch.clock().drift_ppm());
+    if (plc_reply) {
+      // It has no clock that could be followed.
+      publish(plc_reply->config.driver.device, plc_reply->driver.health(), plc_reply->config.rule, 0.0, 0.0);
+    }
   }
 
   GatewayConfig config;
@@ -135,6 +160,7 @@ struct Devices::Impl {
   qualisys::QualisysDriver cameras;
   std::unique_ptr<StreamClient> winch_stream;
   winch::WinchDriver winch;
+  std::optional<PlcReplyEnd> plc_reply;
 
   LabTime next_health = LabTime::min();
   std::uint64_t health_sequence = 0;
@@ -155,6 +181,7 @@ void Devices::step(LabTime now) {
   d.cameras.step(now);
   d.arm.step(now);
   d.winch.step(now);
+  if (d.plc_reply) d.plc_reply->driver.step(now);
   d.schedule.t_next_send_ns.store(to_ns(d.arm.next_send()), std::memory_order_relaxed);
   if (now >= d.next_health) {
     d.publish_all_health(now);

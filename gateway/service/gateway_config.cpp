@@ -176,6 +176,23 @@ WinchLink winch_link(const TomlTable& root) {
   return link;
 }
 
+/// Checked also where it is not enabled. An older file may lack the table.
+std::optional<PlcReplyLink> plc_reply_link(const TomlTable& root) {
+  if (!root.has("plc_reply")) return std::nullopt;
+  const TomlTable t = root.table("plc_reply");
+  PlcReplyLink link;
+  link.listen = t.endpoint("listen");
+  link.driver.plc = t.endpoint("plc");
+  link.driver.period_s = t.number("period_s", {0.005, 0.1});
+  link.driver.latency_s = t.number("latency_s", kLatency);
+  link.driver.mru_latency_s = t.number("mru_latency_s", kLatency);
+  constexpr std::array orders{plc_reply::EulerOrder::xyz, plc_reply::EulerOrder::zyx};
+  link.driver.euler_order = orders[t.choice("euler_order", {"xyz", "zyx"})];
+  link.driver.silent_after_s = std::max(link.driver.silent_after_s, 5.0 * link.driver.period_s);
+  link.rule.stale_after_s = t.number("stale_after_s", kFreshness);
+  return t.boolean("enabled") ? std::optional(link) : std::nullopt;
+}
+
 /// An older file knows multicast alone.
 bus::DdsConfig dds_config(const TomlTable& root) {
   const TomlTable t = root.table("bus");
@@ -358,6 +375,7 @@ GatewayConfig read(const TomlDocument& document) {
   config.qualisys = qualisys_link(root);
   config.comau = comau_link(root);
   config.winch = winch_link(root);
+  config.plc_reply = plc_reply_link(root);
   config.deadman = deadman_rule(root);
   read_service(root, config);
   config.limits = guard_limits(root);

@@ -11,6 +11,7 @@
 #include "drivers/core/endpoint.hpp"
 #include "drivers/core/toml_reader.hpp"
 #include "drivers/mru/mru_driver.hpp"
+#include "drivers/plc_reply/plc_reply_driver.hpp"
 #include "drivers/qualisys/qualisys_driver.hpp"
 #include "drivers/winch/winch_driver.hpp"
 #include "gateway/bus/dds_bus.hpp"
@@ -59,6 +60,13 @@ struct WinchLink {
   LinkRule rule;
 };
 
+/// The PLC's remote reply: told on the bus, used by nothing that moves.
+struct PlcReplyLink {
+  Endpoint listen;
+  plc_reply::DriverConfig driver;
+  LinkRule rule;
+};
+
 /// What is written down of the control thread, see gateway/record.
 struct RecordRule {
   std::string inputs;               ///< the file; empty: nothing is written
@@ -99,6 +107,7 @@ struct GatewayConfig {
   QualisysLink qualisys;
   ComauLink comau;
   WinchLink winch;
+  std::optional<PlcReplyLink> plc_reply;  ///< nothing: the PLC is not asked
   DeadmanRule deadman;
   estimator::Belief belief;
   ControlLaw law = ControlLaw::ours;

@@ -68,6 +68,7 @@ std::string nftables_rules(const GatewayConfig& config, const std::vector<Interf
   }
   admit(config.qualisys.driver.device, config.qualisys.listen, {config.qualisys.server.address, 0});
   admit(config.comau.driver.device, config.comau.listen, config.comau.driver.robot_computer);
+  if (const auto& plc = config.plc_reply) admit(plc->driver.device, plc->listen, plc->driver.plc);
 
   std::string device_ports;
   for (const auto port : ports) device_ports += (device_ports.empty() ? "" : ", ") + std::to_string(port);

@@ -16,6 +16,7 @@ std::vector<Expected> expected(const GatewayConfig& config) {
   all.push_back({config.qualisys.driver.device, config.qualisys.rule.required});
   all.push_back({config.comau.driver.device, config.comau.rule.required});
   all.push_back({config.winch.driver.device, config.winch.rule.required});
+  if (config.plc_reply) all.push_back({config.plc_reply->driver.device, false});
   return all;
 }
 

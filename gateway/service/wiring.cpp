@@ -34,6 +34,8 @@ std::vector<Wire> wires_of(const GatewayConfig& config) {
   wires.push_back({config.comau.driver.device, to_string(config.comau.driver.robot_computer), kUdp,
                    to_string(config.comau.listen)});
   wires.push_back({config.winch.driver.device, to_string(config.winch.plc), kTcp, "any port"});
+  if (const auto& plc = config.plc_reply)
+    wires.push_back({plc->driver.device, to_string(plc->driver.plc), kUdp, to_string(plc->listen)});
   return wires;
 }
 
@@ -84,6 +86,10 @@ std::string wiring(const GatewayConfig& config) {
                                        to_string(config.comau.driver.robot_computer) + ", required");
   line(config.winch.driver.device, "calls tcp " + to_string(config.winch.plc) + " (ADS " +
                                        winch::to_string(config.winch.driver.target.net_id) + "), required");
+  if (const auto& plc = config.plc_reply) {
+    line(plc->driver.device, "asks udp " + to_string(plc->driver.plc) + " from " + to_string(plc->listen) +
+                                 " for its remote reply, with key 0: it takes no control");
+  }
   const auto milliseconds = [](double s) { return std::to_string(std::lround(1e3 * s)) + " ms"; };
   line("deadman",
        "brakes the arm from the same port and settles the winch when the gateway is gone; ends it "

@@ -9,7 +9,7 @@ namespace motionlab::lab {
 
 /// One fault of one device.
 struct PlannedFault {
-  std::string device;             ///< mru1, mru2, qualisys, arm, winch, world
+  std::string device;             ///< mru1, mru2, qualisys, arm, winch, plc, world
   std::string fault;              ///< one of the device's own names
   double value = 0;               ///< its meaning is the fault's; 0: its default
   double from_s = 0;              ///< since the scenario began

@@ -263,6 +263,12 @@ void read_qualisys_device(const TomlTable& t, LabConfig& c) {
   c.qualisys.timecode = timecodes[t.choice_or("timecode", 0, {"none", "smpte", "irig", "camera"})];
 }
 
+void read_plc_reply_device(const TomlTable& t, LabConfig& c) {
+  c.plc_reply_enabled = t.boolean_or("enabled", c.plc_reply_enabled);
+  c.plc_reply_listen = t.endpoint_or("listen", c.plc_reply_listen);
+  c.plc_reply.to = t.endpoint_or("to", c.plc_reply.to);
+}
+
 }  // namespace
 
 LabConfig::LabConfig() {
@@ -278,6 +284,8 @@ LabConfig::LabConfig() {
   arm.peer = Endpoint::parse("127.0.0.1:0");
   arm.pendant = {.driving_on_s = 1.0, .start_after_s = 0.3, .driving_off_s = 1.0};
   winch_listen = Endpoint::parse("127.0.0.1:48898");
+  plc_reply_listen = Endpoint::parse("127.0.0.1:50050");
+  plc_reply.to = Endpoint::parse("127.0.0.1:50060");
 }
 
 LabConfig LabConfig::load(const std::filesystem::path& file,
@@ -304,6 +312,7 @@ LabConfig LabConfig::load(const std::filesystem::path& file,
   read_qualisys_device(devices.table_or_empty(kQualisys), c);
   read_arm_device(devices.table_or_empty(kArm), c);
   read_winch_device(devices.table_or_empty(kWinch), c);
+  read_plc_reply_device(devices.table_or_empty("plc_reply"), c);
 
   for (const std::string& text : devices.texts_or("faults", {})) {
     c.faults.push_back(PlannedFault::parse(text));

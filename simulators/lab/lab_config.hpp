@@ -16,6 +16,7 @@
 #include "simulators/plant/platform_limits.hpp"
 #include "simulators/plant/sea.hpp"
 #include "simulators/plant/world_config.hpp"
+#include "simulators/plc_reply/plc_reply_device.hpp"
 #include "simulators/qualisys/qualisys_device.hpp"
 #include "simulators/winch/winch_device.hpp"
 
@@ -27,6 +28,8 @@ inline constexpr std::string_view kMru2 = "mru2";
 inline constexpr std::string_view kQualisys = "qualisys";
 inline constexpr std::string_view kArm = "arm";
 inline constexpr std::string_view kWinch = "winch";
+/// The PLC's remote interface, where it is served.
+inline constexpr std::string_view kPlc = "plc";
 /// In their place where a fault belongs to no device.
 inline constexpr std::string_view kWorld = "world";
 
@@ -64,6 +67,9 @@ struct LabConfig {
   comau::DeviceConfig arm;
   Endpoint winch_listen;
   winch::DeviceConfig winch;
+  bool plc_reply_enabled = false;  ///< false: nobody listens there
+  Endpoint plc_reply_listen;
+  plc_reply::DeviceConfig plc_reply;
 
   std::vector<PlannedFault> faults;  ///< of every run, before those of the command line
 

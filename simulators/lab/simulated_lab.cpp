@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "gateway/math/euler_rates.hpp"
 #include "simulators/faults/faulty_wire.hpp"
 #include "simulators/faults/wire_faults.hpp"
 #include "simulators/lab/gust.hpp"
@@ -36,6 +37,26 @@ mru::Reading reading_of(const plant::MruReading& r, double temperature_degc) {
           .v_heading_origin_mps = array3(r.v_origin_H_mps),
           .a_heading_origin_mps2 = array3(r.a_origin_H_mps2),
           .sensor_temperature_degc = temperature_degc};
+}
+
+plc_reply::Six six(const Eigen::Vector3d& lengths, const Eigen::Vector3d& angles) {
+  return {lengths.x(), lengths.y(), lengths.z(), angles.x(), angles.y(), angles.z()};
+}
+
+/// What the legs of a platform say of it, about its neutral pose.
+plc_reply::PlatformFeedback feedback_of(const plant::PlatformState& s, const math::RigidTransform& X_WN) {
+  constexpr auto kOrder = math::EulerOrder::xyz;
+  const math::RigidTransform X_NB = X_WN.inverse() * s.X_WB;
+  const Eigen::Vector3d rpy = math::to_euler(X_NB.R, kOrder);
+  const math::EulerMotion turn =
+      math::euler_motion(rpy, {s.omega_WB_B, s.alpha_WB_B}, kOrder).value_or(math::EulerMotion{});
+  const Eigen::Matrix3d R_NW = X_WN.R.transpose();
+  return {six(X_NB.p, rpy), six(R_NW * s.v_WB, turn.rate_radps),
+          six(R_NW * s.a_WB, turn.acceleration_radps2)};
+}
+
+plc_reply::MruFeedback feedback_of(const plant::MruReading& r) {
+  return {six(r.p_origin_H_m, r.euler_rad), six(r.v_origin_H_mps, r.omega_M_radps)};
 }
 
 qualisys::MeasuredBody body_of(std::string_view name, const plant::BodyReading& r) {
@@ -91,6 +112,31 @@ winch::DeviceConfig plc(const LabConfig& lab) {
   return device;
 }
 
+plc_reply::DeviceConfig remote_interface(const LabConfig& lab) {
+  plc_reply::DeviceConfig device = lab.plc_reply;
+  device.seed = lab.seed;
+  return device;
+}
+
+/// The PLC's remote interface with its wire.
+struct PlcEnd {
+  PlcEnd(const LabConfig& config, Network& network)
+      : wire(network, config.seed, std::string(kPlc),
+             [this](Nanoseconds jump) { device.set_clock_jump(jump); }),
+        socket(wire.datagram(config.plc_reply_listen)),
+        device(remote_interface(config), *socket) {
+    socket->on_datagram(
+        [this](Bytes datagram, Endpoint from, LabTime t) { device.on_datagram(datagram, from, t); });
+  }
+  ~PlcEnd() { socket->on_datagram({}); }
+  PlcEnd(const PlcEnd&) = delete;
+  PlcEnd& operator=(const PlcEnd&) = delete;
+
+  faults::FaultyWire wire;
+  std::unique_ptr<DatagramSocket> socket;
+  plc_reply::PlcReplyDevice device;
+};
+
 /// A sensor or a task that comes round at a fixed period.
 struct Round {
   LabTime next;
@@ -138,6 +184,7 @@ struct SimulatedLab::Impl {
         now(start),
         hook_spacing_m(config.hook_marker_spacing_m),
         hook_above_centre_m(config.world.load.below_hook_m()) {
+    if (config.plc_reply_enabled) plc_end.emplace(config, network);
     qualisys_server->on_event(&qualisys);
     if (config.qualisys_big_endian_listen) {
       qualisys_big_endian_server = network.server(*config.qualisys_big_endian_listen);
@@ -174,6 +221,11 @@ struct SimulatedLab::Impl {
                     .wire_speed_mps = s.winch_speed_mps,
                     .motor_torque_nm = s.winch_torque_nm});
     world.set_wire_set_point(winch.set_point_m());
+    if (plc_end) {
+      const plant::Calibration& where = world.calibration();
+      plc_end->device.cycle(
+          t, {feedback_of(s.platform, where.world_to_em8000), feedback_of(s.second, where.world_to_em1500)});
+    }
   }
 
   void expose_cameras() {
@@ -191,8 +243,13 @@ struct SimulatedLab::Impl {
   void measure(Round& round, plant::MruSensor& sensor, mru::MruDevice& device, bool second) {
     const LabTime t = round.take();
     const plant::WorldState s = world.sample(t);
-    device.measure(
-        reading_of(sensor.sample(second ? s.second : s.platform), sensor.config().temperature_degc), t);
+    const plant::MruReading reading = sensor.sample(second ? s.second : s.platform);
+    device.measure(reading_of(reading, sensor.config().temperature_degc), t);
+    if (plc_end) {
+      const double latency_s =
+          sensor.config().output_latency_s + world.config().differences.sensor_extra_latency_s;
+      plc_end->device.hear(second ? 1 : 0, feedback_of(reading), t + from_seconds(latency_s));
+    }
   }
 
   /// What the wire does not know, the device may.
@@ -230,6 +287,10 @@ struct SimulatedLab::Impl {
     mru2.step(now);
     qualisys.step(now);
     winch.step(now);
+    if (plc_end) {
+      plc_end->wire.step(now);
+      plc_end->device.step(now);
+    }
   }
 
   plant::World world;
@@ -251,6 +312,7 @@ struct SimulatedLab::Impl {
   qualisys::QualisysDevice qualisys;
   comau::ComauDevice arm;
   winch::WinchDevice winch;
+  std::optional<PlcEnd> plc_end;
 
   Round robot_cycle, plc_task, mru1_round, mru2_round, camera_round;
   LabTime now;
@@ -320,12 +382,16 @@ Status SimulatedLab::set_fault(std::string_view device, std::string_view fault, 
     return impl_->set_fault(impl_->qualisys_wire, impl_->qualisys, fault, active, value);
   if (device == kArm) return impl_->set_fault(impl_->arm_wire, impl_->arm, fault, active, value);
   if (device == kWinch) return impl_->set_fault(impl_->winch_wire, impl_->winch, fault, active, value);
+  if (device == kPlc && impl_->plc_end)
+    return impl_->set_fault(impl_->plc_end->wire, impl_->plc_end->device, fault, active, value);
   if (device == kWorld) {
     const Status done = impl_->gust.set(fault, active, value);
     impl_->world.set_push(impl_->gust.force_n());
     return done;
   }
-  return Fault{Reason::refused, "no such device; there are mru1, mru2, qualisys, arm, winch and world"};
+  return Fault{Reason::refused,
+               "no such device; there are mru1, mru2, qualisys, arm, winch and world, and plc where "
+               "[devices.plc_reply] is enabled"};
 }
 
 std::vector<std::string> SimulatedLab::fault_names(std::string_view device) const {
@@ -338,6 +404,8 @@ std::vector<std::string> SimulatedLab::fault_names(std::string_view device) cons
     names = comau::ComauDevice::fault_names();
   } else if (device == kWinch) {
     names = winch::WinchDevice::fault_names();
+  } else if (device == kPlc && impl_->plc_end) {
+    names = plc_reply::PlcReplyDevice::fault_names();
   } else if (device == kWorld) {
     return {std::string(Gust::kName)};
   } else {

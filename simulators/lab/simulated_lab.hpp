@@ -1,4 +1,5 @@
-/// @file  The simulated laboratory: one world, its sensors, and five devices on a network.
+/// @file  The simulated laboratory: one world, its sensors, and five devices on a network; a sixth, the PLC's
+/// remote interface, where it is wanted.
 #pragma once
 
 #include <memory>
@@ -43,8 +44,8 @@ class SimulatedLab {
   [[nodiscard]] const plant::World& world() const;
 
   /// Begins or ends a fault of the wire (faults::WireFaults) or else of the device itself (`mru1`, `mru2`,
-  /// `qualisys`, `arm`, `winch`), by its name; or of the `world` (see Gust). `ok`, begun, ends all that a
-  /// device and its wire have.
+  /// `qualisys`, `arm`, `winch`, and `plc` where it is served), by its name; or of the `world` (see Gust).
+  /// `ok`, begun, ends all that a device and its wire have.
   /// @returns refused, with the names that there are; the text lives until the next call
   Status set_fault(std::string_view device, std::string_view fault, bool active, double value = 0);
 

@@ -15,6 +15,7 @@ namespace {
 
 using service::load_gateway_config;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A folder of this test's own: tests run side by side.
 std::filesystem::path overlay_folder() {
@@ -104,6 +105,13 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"UnknownWord", "[control]\nauthority = \"max\"\n", "overlay.toml:2:", {"authority", "full"}},
         Mistake{"BadToken", "[mru1]\ntoken = 256\n", "overlay.toml:2:", {"token", "255"}},
         Mistake{"BadSign", "[winch]\npay_out_sign = 0.5\n", "overlay.toml:2:", {"pay_out_sign"}},
+        Mistake{
+            "PlcAskedTooOften", "[plc_reply]\nperiod_s = 0.001\n", "overlay.toml:2:", {"period_s", "0.005"}},
+        Mistake{"UnknownKeyOfThePlc", "[plc_reply]\nkey = 46505228\n", "overlay.toml:2:", {"key"}},
+        Mistake{"PlcThatIsWaitedFor",
+                "[modes]\nto_engage = [\"plc\"]\n",
+                "overlay.toml:2:",
+                {"to_engage", "plc is no device"}},
         Mistake{"NoToml", "[mru1\ntoken = 1\n", "overlay.toml:1:", {}},
         Mistake{"TwiceTheSameKey", "[mru1]\ntoken = 1\ntoken = 2\n", "overlay.toml:3:", {"token"}}),
     testing::PrintToStringParamName());
@@ -204,6 +212,32 @@ TEST(Configuration, TheDrawingHasEveryEndOfEveryWire) {
                                           └──┬──────────────────┘
                                              └─ DDS domain 42 on all interfaces, others are found by multicast
 )");
+}
+
+TEST(Configuration, ThePlcsRemoteReplyIsWiredOnlyWhereItIsEnabled) {
+  EXPECT_FALSE(load_gateway_config(config_file("lab.toml")).plc_reply);
+  EXPECT_THAT(service::wiring(load_gateway_config(config_file("lab.toml"))), Not(HasSubstr("plc")));
+  const std::filesystem::path file = overlay_folder() / "overlay.toml";
+  std::ofstream(file) << "[plc_reply]\nenabled = true\neuler_order = \"zyx\"\nperiod_s = 0.05\n";
+  const auto config = load_gateway_config(config_file("lab.toml"), {file});
+  ASSERT_TRUE(config.plc_reply);
+  EXPECT_EQ(config.plc_reply->driver.euler_order, plc_reply::EulerOrder::zyx);
+  EXPECT_DOUBLE_EQ(config.plc_reply->driver.silent_after_s, 0.25);
+  EXPECT_FALSE(config.plc_reply->rule.required);
+  EXPECT_THAT(service::wiring(config),
+              HasSubstr("plc\tasks udp 192.168.90.50:50050 from 192.168.90.60:50060"));
+  EXPECT_THAT(service::wiring_drawing(config),
+              HasSubstr("  plc       192.168.90.50:50050   ◀─udp─▶ │ 192.168.90.60:50060 │\n"));
+}
+
+TEST(Configuration, AFileWithoutTheTableOfThePlcsRemoteReplyIsStillOne) {
+  std::ifstream original(config_file("lab.toml"));
+  std::string text, section;
+  for (std::string line; std::getline(original, line);) {
+    if (line.starts_with("[")) section = line.substr(0, line.find(']'));
+    if (section != "[plc_reply") text += line + '\n';
+  }
+  EXPECT_FALSE(service::parse_gateway_config({"older.toml", text}).plc_reply);
 }
 
 TEST(Configuration, OthersOnTheBusAreFoundInOneWay) {

@@ -41,6 +41,7 @@ std::string lab_json(const service::GatewayConfig& config, bool control) {
   stale[config.qualisys.driver.device] = config.qualisys.rule.stale_after_s;
   stale[config.comau.driver.device] = config.comau.rule.stale_after_s;
   stale[config.winch.driver.device] = config.winch.rule.stale_after_s;
+  if (config.plc_reply) stale[config.plc_reply->driver.device] = config.plc_reply->rule.stale_after_s;
   json["stale_after_s"] = stale;
   return json.dump(1) + "\n";
 }

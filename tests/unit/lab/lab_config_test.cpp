@@ -72,6 +72,9 @@ TEST(LabConfig, TheShippedFileSaysWhatTheDefaultsSay) {
   EXPECT_EQ(file.qualisys_listen, code.qualisys_listen);
   EXPECT_EQ(file.arm_listen, code.arm_listen);
   EXPECT_EQ(file.winch_listen, code.winch_listen);
+  EXPECT_EQ(file.plc_reply_enabled, code.plc_reply_enabled);
+  EXPECT_EQ(file.plc_reply_listen, code.plc_reply_listen);
+  EXPECT_EQ(file.plc_reply.to, code.plc_reply.to);
   EXPECT_TRUE(file.arm.hardened);
   EXPECT_EQ(file.arm.peer, code.arm.peer);
   EXPECT_EQ(file.arm.long_answers, code.arm.long_answers);

@@ -33,6 +33,15 @@ TEST(Nftables, FollowTheConfiguration) {
               HasSubstr("ip saddr 10.1.2.3 ip daddr 192.168.90.70 udp dport 50999 counter accept"));
 }
 
+TEST(Nftables, AdmitThePlcsRemoteReplyWhereItIsAskedFor) {
+  EXPECT_THAT(nftables_rules(lab_config(), kHost), Not(HasSubstr("50060")));
+  const std::string rules = nftables_rules(lab_config("[plc_reply]\nenabled = true\n"), kHost);
+  EXPECT_THAT(rules,
+              HasSubstr("ip saddr 192.168.90.50 ip daddr 192.168.90.60 udp sport 50050 udp dport 50060 "
+                        "counter accept comment \"plc\"\n"));
+  EXPECT_THAT(rules, HasSubstr("udp dport { 50042, 50043, 50044, 50060, 50199 } counter name"));
+}
+
 TEST(Nftables, AdmitTheBusFromItsInterfacesAndThisHost) {
   const auto config = lab_config("[bus]\ndomain = 42\ninterfaces = [\"192.168.90.70\"]\n");
   const std::string rules = nftables_rules(config, kHost);

@@ -64,6 +64,18 @@ TEST(RollCall, DoesNotWaitForADeviceThatIsDeclaredAbsent) {
   EXPECT_THAT(roll.sentence({}), HasSubstr("declared absent: arm"));
 }
 
+TEST(RollCall, NamesThePlcsRemoteReplyWhereItIsAskedForAndNeverWaitsForIt) {
+  const auto up = {health("mru1", LinkState::up), health("mru2", LinkState::up),
+                   health("qualisys", LinkState::up), health("arm", LinkState::up),
+                   health("winch", LinkState::up)};
+  EXPECT_TRUE(call_roll(lab_config(), up).missing.empty());
+  const auto config = lab_config("[plc_reply]\nenabled = true\n");
+  const auto roll = call_roll(config, up);
+  EXPECT_TRUE(roll.complete());
+  EXPECT_THAT(roll.sentence({}), HasSubstr("missing: plc (not looked at yet)"));
+  EXPECT_THAT(device_names(config), ElementsAre("mru1", "mru2", "qualisys", "arm", "winch", "plc"));
+}
+
 TEST(RollCall, KnowsNoOtherDeviceToBeAbsent) {
   try {
     (void)lab_config("[service]\nabsent = [\"crane\"]\n");
