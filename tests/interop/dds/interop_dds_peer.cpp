@@ -136,7 +136,8 @@ int receive(const char* domain, std::uint64_t count) {
                   std::string{to_string(request->authority)}.c_str());
     }
   }
-  return dds.counters().incompatible_qos == 0 && dds.counters().refused() == 0 ? 0 : 3;
+  const auto counters = dds.counters();
+  return counters.incompatible_qos == 0 && counters.refused() == counters.refused_flood ? 0 : 3;
 }
 
 /// One topic on its way out and back.
@@ -206,7 +207,8 @@ int echo(const char* domain) {
     std::fprintf(stderr, "%s did not come back unchanged\n", std::string{topic->name()}.c_str());
   }
   const auto incompatible = out.counters().incompatible_qos + in.counters().incompatible_qos;
-  const auto refused = in.counters().refused();
+  // After a stall requests come in a burst, and more than a control step can take are refused, rightly.
+  const auto refused = in.counters().refused() - in.counters().refused_flood;
   if (incompatible + refused > 0) {
     std::fprintf(stderr,
                  "on domain %s or the next: %" PRIu64 " of incompatible quality, %" PRIu64
