@@ -13,25 +13,10 @@ mode_is() { look --json status 2>/dev/null >"$here/status.json"; grep -q "\"stat
 
 for address in 13 14 16 32 150; do ip -n other address add 192.168.90.$address/24 dev eth0; done
 ip -n gateway-pc address add 192.168.90.42/24 dev eth0
-cat >"$here/addresses.toml" <<'END'
-[bus]
-interfaces = ["127.0.0.1"]
-[devices.mru1]
-from = "192.168.90.13:50013"
-to = "192.168.90.70:50043"
-[devices.mru2]
-from = "192.168.90.14:50014"
-to = "192.168.90.70:50044"
-[devices.qualisys]
-listen = "192.168.90.16:22223"
-[devices.arm]
-listen = "192.168.90.32:50032"
-peer = "192.168.90.42:50042"
-[devices.winch]
-listen = "192.168.90.150:48898"
-END
+printf '[bus]\ninterfaces = ["127.0.0.1"]\n' >"$here/sim.toml"
 printf '[bus]\ninterfaces = ["192.168.90.70"]\n' >"$here/gateway.toml"
-start sim other "$sim" --config deploy/config/world.toml --overlay "$here/addresses.toml" --scenario calm
+start sim other "$sim" --config deploy/config/world.toml --overlay tests/hosts/laboratory.toml \
+  --overlay "$here/sim.toml" --scenario calm
 start gateway gateway-pc "$gateway" --config deploy/config/lab.toml --overlay deploy/config/shared-vm.toml \
   --overlay "$here/gateway.toml"
 start modes desk "$hand" --interface 192.168.90.71 --json echo mode --field state

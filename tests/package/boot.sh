@@ -62,21 +62,7 @@ chroot "$root" sh -c 'dpkg -i /tmp/motionlab-*.deb' >"$here/dpkg" 2>&1 || {
   cat "$here/dpkg"
   fail "the packages do not install"
 }
-cat >"$root/etc/motionlab/lab-addresses.toml" <<'END'
-[devices.mru1]
-from = "192.168.90.13:50013"
-to = "192.168.90.70:50043"
-[devices.mru2]
-from = "192.168.90.14:50014"
-to = "192.168.90.70:50044"
-[devices.qualisys]
-listen = "192.168.90.16:22223"
-[devices.arm]
-listen = "192.168.90.32:50032"
-peer = "192.168.90.42:50042"
-[devices.winch]
-listen = "192.168.90.150:48898"
-END
+cp tests/hosts/laboratory.toml "$root/etc/motionlab/lab-addresses.toml"
 echo 'OPTIONS="--scenario calm --overlay /etc/motionlab/lab-addresses.toml"' >"$root/etc/default/motionlab-sim"
 # lab.toml stays as it is but for the limits of freshness: a machine that runs tests stands still now and then.
 {

@@ -70,8 +70,7 @@ bool Seat::run(bool engage) {
     const LabTime now = clock_.now();
     clock_.discipline();
     if (look(now) == State::lost) return false;
-    const auto mode = modes_.newest();
-    if (engage && state_ == State::waiting && mode) ask_to_be_engaged(*mode, now);
+    if (engage && state_ == State::waiting) ask_to_be_engaged(now);
   }
   settle();
   return true;
@@ -106,12 +105,16 @@ void Seat::ask(topic::ModeAction action) {
   requests_.publish(request);
 }
 
-void Seat::ask_to_be_engaged(const topic::Mode& mode, LabTime now) {
-  const std::string obstacle = mode.state != topic::ModeState::ready
-                                   ? std::string{to_string(mode.state)} + ": " + mode.reason.str()
-                               : !commands_.load(std::memory_order_relaxed)
-                                   ? "too little is heard of the laboratory to know what to do"
-                                   : "";
+void Seat::ask_to_be_engaged(LabTime now) {
+  const auto mode = modes_.newest();
+  std::string obstacle;
+  if (!mode) {
+    obstacle = "not heard";
+  } else if (mode->state != topic::ModeState::ready) {
+    obstacle = std::string{to_string(mode->state)} + ": " + mode->reason.str();
+  } else if (!commands_.load(std::memory_order_relaxed)) {
+    obstacle = "ready, but too little is heard of the laboratory to know what to do";
+  }
   if (!obstacle.empty() && obstacle != obstacle_told_) {
     say(LogLevel::info, "controller", "waiting", "not engaged yet, the gateway is " + obstacle);
   }
@@ -129,8 +132,7 @@ void Seat::settle() {
            (mode->state == topic::ModeState::engaged || mode->state == topic::ModeState::stopping);
   };
   for (; moving() && clock_.now() < end; std::this_thread::sleep_for(50ms)) ask(topic::ModeAction::settle);
-  say(LogLevel::info, "controller", "ended",
-      "ended: " + (moving() ? std::string{"not yet at rest"} : "at rest"));
+  say(LogLevel::info, "controller", "ended", moving() ? "ended, and the crane is not yet at rest" : "ended");
 }
 
 }  // namespace motionlab::service

@@ -31,7 +31,8 @@ class Seat {
   void control(std::stop_token stop);
   State look(LabTime now);
   void ask(topic::ModeAction action);
-  void ask_to_be_engaged(const topic::Mode& mode, LabTime now);
+  /// When nothing is in the way; else says once what it is.
+  void ask_to_be_engaged(LabTime now);
   void settle();
 
   GatewayConfig config_;
