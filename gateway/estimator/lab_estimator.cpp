@@ -17,6 +17,10 @@ Eigen::Vector3d vector(const std::array<double, 3>& a) {
   return Eigen::Map<const Eigen::Vector3d>(a.data());
 }
 
+double square(double v) {
+  return v * v;
+}
+
 template <class Vector, std::size_t N>
 void copy_to(std::array<double, N>& to, const Vector& from) {
   for (std::size_t i = 0; i < N; ++i) to[i] = from[static_cast<Eigen::Index>(i)];
@@ -63,7 +67,7 @@ LabEstimator::LabEstimator(const Belief& belief)
     : belief_(belief),
       mount_(belief.calibration.mount()),
       second_(belief.calibration.second, belief.second_ship, belief.mru, belief.load.gravity_mps2),
-      axis_model_(belief.ship.period_s, belief.ship.damping),
+      ship_model_(belief.ship, belief.mru),
       R_WD_(level_frame(belief.calibration.X_WN.R)) {
   begin();
 }
@@ -74,43 +78,37 @@ void LabEstimator::begin() {
   arm_ = ArmHistory{};
   pending_ = {};
   load_refusals_ = 0;
-  for (int i = 0; i < kAxes; ++i) {
-    const double sd = i < 3 ? belief_.ship.translation_sd_m : belief_.ship.rotation_sd_rad;
-    const double density = sd * sd / axis_model_.stationary()(0, 0);
-    noise_density_[static_cast<std::size_t>(i)] = density;
-    filter_.P.block<4, 4>(axis(i), axis(i)) = density * axis_model_.stationary();
-  }
-  const auto set_sd = [this](int first, int count, double sd) {
-    for (int i = first; i < first + count; ++i) filter_.P(i, i) = sd * sd;
-  };
-  set_sd(kAccelerationBias, 3, belief_.mru.acceleration_bias_sd_mps2);
-  set_sd(kRateBias, 3, belief_.mru.rate_bias_sd_radps);
-  set_sd(kTiltError, 2, belief_.mru.tilt_error_sd_rad);
-  set_sd(kYawError, 1, belief_.mru.yaw_start_sd_rad);
-  set_sd(kToolOffset, 3, belief_.load.tool_offset_sd_m);
+  filter_.P.topLeftCorner<ShipStates::kSize, ShipStates::kSize>() = ship_model_.prior();
+  filter_.P.diagonal().segment<3>(kToolOffset).setConstant(square(belief_.load.tool_offset_sd_m));
 }
 
 topic::Estimate LabEstimator::step(const Inputs& inputs) {
   if (std::chrono::abs(inputs.t - now_) > kLongestGap) begin();
   now_ = inputs.t;
   collect(inputs);
-  second_.step(inputs.t, inputs.second_mru);
   const LabTime due = inputs.t - from_seconds(belief_.fusion_delay_s);
-  for (;;) {
-    Pending* earliest = nullptr;
-    for (auto& pending : pending_) {
-      if (pending.kind == Pending::Kind::none || pending.t > due) continue;
-      // Of two at the same time the kind decides, so that the order of arrival never does.
-      if (earliest == nullptr || std::tie(pending.t, pending.kind) < std::tie(earliest->t, earliest->kind)) {
-        earliest = &pending;
-      }
-    }
-    if (earliest == nullptr) break;
-    process(*earliest);
-    earliest->kind = Pending::Kind::none;
-  }
+  const bool busy = take_due(due);
+  second_.step(inputs.t, busy ? std::nullopt : inputs.second_mru);
   if (started_ && due - t_ > kAloneAfter) predict_to(due - kAloneAfter);
   return estimate_at(inputs.t);
+}
+
+bool LabEstimator::take_due(LabTime due) {
+  const auto is_due = [due](const Pending& pending) {
+    return pending.kind != Pending::Kind::none && pending.t <= due;
+  };
+  // Of two at the same time the kind decides, so that the order of arrival never does.
+  const auto before = [&](const Pending& a, const Pending& b) {
+    if (is_due(a) != is_due(b)) return is_due(a);
+    return std::tie(a.t, a.kind) < std::tie(b.t, b.kind);
+  };
+  const auto waiting = std::count_if(pending_.begin(), pending_.end(), is_due);
+  for (auto left = (waiting + 2) / 3; left > 0; --left) {
+    Pending& earliest = *std::min_element(pending_.begin(), pending_.end(), before);
+    process(earliest);
+    earliest.kind = Pending::Kind::none;
+  }
+  return waiting > 0;
 }
 
 void LabEstimator::collect(const Inputs& inputs) {
@@ -254,11 +252,8 @@ void LabEstimator::predict_to(LabTime t) {
 }
 
 void LabEstimator::predict(double dt) {
-  const Eigen::Matrix4d A = axis_model_.transition(dt);
-  const Eigen::Matrix4d Q = ShipAxis::noise(dt);
-  const auto decay = [dt](double correlation_s) { return std::exp(-dt / correlation_s); };
-  const double tilt_decay = decay(belief_.mru.tilt_error_correlation_s);
-  const double offset_decay = decay(belief_.load.tool_offset_correlation_s);
+  const ShipModel::Step step = ship_model_.over(dt);
+  const double offset_decay = std::exp(-dt / belief_.load.tool_offset_correlation_s);
 
   // The load: pulled towards the tool, with the tool's place taken in the middle of the step.
   const Tool before = tool(ship(), arm_.at(t_));
@@ -268,55 +263,42 @@ void LabEstimator::predict(double dt) {
       load + 0.5 * dt * velocity - (before.motion.p + 0.5 * dt * before.motion.v).head<2>();
   const Vector2d acceleration = -stiff * middle;
 
-  for (int i = 0; i < kAxes; ++i) filter_.x.segment<4>(axis(i)) = A * filter_.x.segment<4>(axis(i)).eval();
-  filter_.x.segment<2>(kTiltError) *= tilt_decay;
-  filter_.x.segment<3>(kToolOffset) *= offset_decay;
+  step.carry(filter_.x);
   filter_.x.segment<2>(kLoad) += dt * velocity + 0.5 * dt * dt * acceleration;
   filter_.x.segment<2>(kLoadVelocity) += dt * acceleration;
+  filter_.x.segment<3>(kToolOffset) *= offset_decay;
 
-  // P ← F P Fᵀ as two passes of column operations, since F is nearly block-diagonal.
-  const auto times_F_transposed = [&](Filter::Matrix& M) {
+  // The load's columns of P Fᵀ; their own corner of F P Fᵀ; and as they stand, its rows.
+  auto& P = filter_.P;
+  const Eigen::Matrix<double, 2, 3> pull = dt * stiff * before.d_euler.topRows<2>();
+  const auto pulled = [&](const auto& of) {
     for (int k = 0; k < 2; ++k) {
-      auto load_column = M.col(kLoad + k);
-      auto velocity_column = M.col(kLoadVelocity + k);
-      auto& pull = before.d_euler;
-      load_column += dt * velocity_column;
-      velocity_column -= dt * stiff * load_column;
-      velocity_column += dt * stiff * (M.col(axis(k)) + M.col(kToolOffset + k));
-      for (int j = 0; j < 3; ++j) velocity_column += dt * stiff * pull(k, j) * M.col(axis(3 + j));
+      of(kLoad + k) += dt * of(kLoadVelocity + k);
+      of(kLoadVelocity + k) += dt * stiff * (of(axis(k)) + of(kToolOffset + k) - of(kLoad + k));
+      for (int j = 0; j < 3; ++j) of(kLoadVelocity + k) += pull(k, j) * of(axis(3 + j));
     }
-    for (int i = 0; i < kAxes; ++i) {
-      const Eigen::Matrix<double, kStates, 4> block = M.middleCols<4>(axis(i));
-      M.middleCols<4>(axis(i)).noalias() = block * A.transpose();
-    }
-    M.middleCols<2>(kTiltError) *= tilt_decay;
-    M.middleCols<3>(kToolOffset) *= offset_decay;
   };
-  times_F_transposed(filter_.P);
-  filter_.P.transposeInPlace();
-  times_F_transposed(filter_.P);
+  pulled([&P](int i) { return P.col(i); });
+  pulled([&P](int i) { return P.block<1, 4>(i, kLoad); });
+  P.middleRows<4>(kLoad) = P.middleCols<4>(kLoad).transpose();
+  step.carry_covariance(P);
+  P.middleCols<3>(kToolOffset) *= offset_decay;
+  P.middleRows<3>(kToolOffset) *= offset_decay;
 
-  const auto add = [this](int first, int count, double variance) {
-    for (int i = first; i < first + count; ++i) filter_.P(i, i) += variance;
-  };
-  for (int i = 0; i < kAxes; ++i) {
-    filter_.P.block<4, 4>(axis(i), axis(i)) += noise_density_[static_cast<std::size_t>(i)] * Q;
-  }
-  const auto wander = [](double sd, double decayed) { return sd * sd * (1 - decayed * decayed); };
-  add(kTiltError, 2, wander(belief_.mru.tilt_error_sd_rad, tilt_decay));
-  add(kToolOffset, 3, wander(belief_.load.tool_offset_sd_m, offset_decay));
-  add(kYawError, 1, belief_.mru.yaw_drift_rad_sqrt_s * belief_.mru.yaw_drift_rad_sqrt_s * dt);
+  step.add_noise(P);
+  P.diagonal().segment<3>(kToolOffset).array() +=
+      square(belief_.load.tool_offset_sd_m) * (1 - square(offset_decay));
   // Noise on the load: a little always, and what its swing loses to air and wire, in proportion to its speed.
-  const auto square = [](double v) { return v * v; };
   const double swing_speed = (velocity - before.motion.v.head<2>()).norm();
   const double lost = 2 * belief_.load.swing_damping_doubt * std::sqrt(stiff) * swing_speed;
-  add(kLoadVelocity, 2,
-      dt * (square(belief_.load.acceleration_noise) +
-            square(lost) * belief_.load.swing_damping_correlation_s));
+  P.diagonal().segment<2>(kLoadVelocity).array() +=
+      dt *
+      (square(belief_.load.acceleration_noise) + square(lost) * belief_.load.swing_damping_correlation_s);
 }
 
-bool LabEstimator::update(Reading kind, const SparseRow& row, double innovation, double sd) {
-  const math::SparseUpdate update = filter_.update(row, innovation, sd * sd, belief_.gate_sigma);
+bool LabEstimator::update(Updates& updates, Reading kind, const SparseRow& row, double innovation,
+                          double sd) {
+  const math::SparseUpdate update = updates.update(row, innovation, sd * sd, belief_.gate_sigma);
   innovations_[static_cast<std::size_t>(kind)].add(update);
   if (!update) ++refused_;
   return update.taken;
@@ -327,35 +309,37 @@ void LabEstimator::take(const topic::Mru& mru) {
     ++refused_;
     return;
   }
-  take_mru(mru, view(), mount_, belief_.mru, belief_.load.gravity_mps2,
-           [this](Reading kind, const SparseRow& row, double innovation, double sd) {
-             update(kind, row, innovation, sd);
-           });
+  const MruReadings readings = compare(mru, view(), mount_, belief_.mru, belief_.load.gravity_mps2);
+  Updates updates(filter_);
+  for (const auto& r : readings) update(updates, r.kind, r.row, r.innovation, r.sd);
 }
 
 void LabEstimator::take_load(const topic::Bodies& body) {
   load_seen_ = t_;
   const Vector3d p_WL = belief_.calibration.X_WQ * vector(body.p_camera_body_m);
+  const Vector2d load = filter_.x.segment<2>(kLoad);
+  const Tool tool_now = tool(ship(), arm_.at(t_));
   bool taken = true;
-  for (int k = 0; k < 2; ++k) {
+  {
+    Updates updates(filter_);
+    for (int k = 0; k < 2; ++k) {
+      SparseRow row;
+      row.add(kLoad + k, 1.0);
+      taken &= update(updates, Reading::load_place, row, p_WL[k] - load[k], belief_.camera.load_sd_m);
+    }
+    // The load's height is that of the tool less the hanging height of a taut wire.
+    const double height = hanging_height(load, tool_now.motion.p);
+    const Vector2d slope = (load - tool_now.motion.p.head<2>()) / height;
     SparseRow row;
-    row.add(kLoad + k, 1.0);
-    taken &= update(Reading::load_place, row, p_WL[k] - filter_.x[kLoad + k], belief_.camera.load_sd_m);
+    add_tool_terms(row, tool_now, {-slope.x(), -slope.y(), 1.0});
+    row.add(kLoad, slope.x());
+    row.add(kLoad + 1, slope.y());
+    update(updates, Reading::load_height, row, p_WL.z() - (tool_now.motion.p.z() - height),
+           belief_.camera.load_height_sd_m);
   }
   load_refusals_ = taken ? 0 : load_refusals_ + 1;
   // Somebody pushed the load, or the first sighting was a wrong one: believe the cameras again.
   if (load_refusals_ >= kRefusalsToReplace) place_load(p_WL);
-  // The load's height is that of the tool less the hanging height of a taut wire.
-  const Tool tool_now = tool(ship(), arm_.at(t_));
-  const Vector2d load = filter_.x.segment<2>(kLoad);
-  const double height = hanging_height(load, tool_now.motion.p);
-  const Vector2d slope = (load - tool_now.motion.p.head<2>()) / height;
-  SparseRow row;
-  add_tool_terms(row, tool_now, {-slope.x(), -slope.y(), 1.0});
-  row.add(kLoad, slope.x());
-  row.add(kLoad + 1, slope.y());
-  update(Reading::load_height, row, p_WL.z() - (tool_now.motion.p.z() - height),
-         belief_.camera.load_height_sd_m);
 }
 
 void LabEstimator::take_platform(const topic::Bodies& body) {
@@ -365,12 +349,14 @@ void LabEstimator::take_platform(const topic::Bodies& body) {
   const math::RigidTransform X_WB = belief_.calibration.X_WQ * X_QP * belief_.calibration.X_BP.inverse();
   const Vector3d offset = X_WB.p - belief_.calibration.X_WN.p;
   const Vector3d rpy = math::to_euler(R_WD_.transpose() * X_WB.R, math::EulerOrder::zyx);
+  const Vector3d place = triple(0, 0), turn = triple(0, 3);
+  Updates updates(filter_);
   for (int i = 0; i < 3; ++i) {
-    SparseRow place, turn;
-    place.add(axis(i), 1.0);
-    update(Reading::platform_place, place, offset[i] - filter_.x[axis(i)], belief_.camera.platform_sd_m);
-    turn.add(axis(3 + i), 1.0);
-    update(Reading::platform_angle, turn, wrapped(rpy[i] - filter_.x[axis(3 + i)]),
+    SparseRow on_place, on_turn;
+    on_place.add(axis(i), 1.0);
+    update(updates, Reading::platform_place, on_place, offset[i] - place[i], belief_.camera.platform_sd_m);
+    on_turn.add(axis(3 + i), 1.0);
+    update(updates, Reading::platform_angle, on_turn, wrapped(rpy[i] - turn[i]),
            belief_.camera.platform_sd_rad);
   }
 }
@@ -405,9 +391,7 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
   const Filter::Vector kept = filter_.x;
   const double ahead = std::clamp(seconds(t - t_), 0.0, 0.1);
   const Tool tool_then = tool(ship(), arm_.at(t_));
-  for (int i = 0; i < kAxes; ++i) {
-    filter_.x.segment<4>(axis(i)) = axis_model_.propagate(filter_.x.segment<4>(axis(i)), ahead);
-  }
+  ship_model_.over(ahead).carry(filter_.x);
   const math::BodyMotion ship_now = ship();
   const Tool tool_now = tool(ship_now, arm_.at(t));
   Vector2d load = filter_.x.segment<2>(kLoad), load_velocity = filter_.x.segment<2>(kLoadVelocity);
@@ -457,7 +441,6 @@ topic::Estimate LabEstimator::estimate_at(LabTime t) {
 void LabEstimator::tell_deviations(topic::Estimate& out, const math::BodyMotion& ship,
                                    const Tool& tool) const {
   const SystematicDoubt& doubt = belief_.doubt;
-  const auto square = [](double v) { return v * v; };
   const double frame2 = square(doubt.frame_sd_m), turn2 = square(doubt.frame_sd_rad);
   const double age2 = square(doubt.age_sd_s);
   // A frame that is turned moves what is seen in it across the line of sight.

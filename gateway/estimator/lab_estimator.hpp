@@ -8,8 +8,9 @@
 #include "gateway/estimator/arm_history.hpp"
 #include "gateway/estimator/belief.hpp"
 #include "gateway/estimator/innovations.hpp"
+#include "gateway/estimator/mru_readings.hpp"
 #include "gateway/estimator/second_ship.hpp"
-#include "gateway/estimator/ship_axis.hpp"
+#include "gateway/estimator/ship_model.hpp"
 #include "gateway/estimator/ship_states.hpp"
 #include "gateway/math/moving_base.hpp"
 #include "gateway/math/sparse_kalman.hpp"
@@ -36,10 +37,12 @@ struct Inputs {
 ///
 /// Measurements wait until `fusion_delay_s` has passed since they were taken, so that they are used in order
 /// of measurement whatever their latency, with the joints of that very time; the state is then carried
-/// forward to the present. Of the MRU it uses the angles, the rates and the unfiltered accelerations, never
-/// the positions: those are high-passed and hold nothing that the accelerations do not. Of the joints only
-/// the position of the tool enters, so the joint dynamics need not be known. Without a tracked platform body
-/// the load itself is the seismometer: where it is pulled to tells where the tool point is.
+/// forward to the present. A step takes in one measurement, of either ship: several that fall due together
+/// are spread over the next steps, so that no step is much longer than another. Of the MRU it uses the
+/// angles, the rates and the unfiltered accelerations, never the positions: those are high-passed and hold
+/// nothing that the accelerations do not. Of the joints only the position of the tool enters, so the joint
+/// dynamics need not be known. Without a tracked platform body the load itself is the seismometer: where it
+/// is pulled to tells where the tool point is.
 ///
 /// States (40): the ship and its unit's errors (33, see ShipStates), load position and velocity in W,
 /// horizontal (4), offset of the tool point in W (3). The second ship has a filter of its own.
@@ -64,17 +67,13 @@ class LabEstimator {
   }
 
  private:
-  static constexpr int kAxes = ShipStates::kAxes;
-  static constexpr int kAccelerationBias = ShipStates::kAccelerationBias;
-  static constexpr int kRateBias = ShipStates::kRateBias;
-  static constexpr int kTiltError = ShipStates::kTiltError;
-  static constexpr int kYawError = ShipStates::kYawError;
   static constexpr int kLoad = ShipStates::kSize;  // x, y
   static constexpr int kLoadVelocity = kLoad + 2;  // x, y
   static constexpr int kToolOffset = kLoadVelocity + 2;
   static constexpr int kStates = kToolOffset + 3;
 
   using Filter = math::KalmanState<kStates>;
+  using Updates = math::SparseUpdates<kStates, kMruReadings>;
   using Vector2d = Eigen::Vector2d;
   using Vector3d = Eigen::Vector3d;
 
@@ -98,6 +97,9 @@ class LabEstimator {
   void begin();
   void collect(const Inputs& inputs);
   void enqueue(Pending&& pending);
+  /// Takes in what waits and is due: one measurement, and one more for every three that wait behind it.
+  /// @returns whether there was any
+  bool take_due(LabTime due);
   void process(const Pending& pending);
   void start(const Pending& pending);
   /// Puts the load where it was seen, as fast as any load may be.
@@ -107,7 +109,7 @@ class LabEstimator {
   void take(const topic::Mru& mru);
   void take_load(const topic::Bodies& load);
   void take_platform(const topic::Bodies& platform);
-  bool update(Reading kind, const math::SparseRow& row, double innovation, double sd);
+  bool update(Updates& updates, Reading kind, const math::SparseRow& row, double innovation, double sd);
 
   [[nodiscard]] ShipView view() const { return {filter_.x.data(), mount_.X_WN.p, R_WD_}; }
   [[nodiscard]] Vector3d triple(int derivative, int first_axis) const {
@@ -128,8 +130,7 @@ class LabEstimator {
   Belief belief_;
   MruMount mount_;
   SecondShip second_;
-  ShipAxis axis_model_;
-  std::array<double, kAxes> noise_density_{};
+  ShipModel ship_model_;
   math::Matrix3d R_WD_;
   Filter filter_;
   LabTime now_{};  ///< time of the last step

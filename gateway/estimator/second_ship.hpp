@@ -1,12 +1,11 @@
 /// @file  How the second ship moves, from its motion reference unit alone.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "drivers/core/time.hpp"
 #include "gateway/estimator/belief.hpp"
-#include "gateway/estimator/ship_axis.hpp"
+#include "gateway/estimator/ship_model.hpp"
 #include "gateway/estimator/ship_states.hpp"
 #include "gateway/math/moving_base.hpp"
 #include "gateway/math/sparse_kalman.hpp"
@@ -49,9 +48,7 @@ class SecondShip {
   MruMount mount_;
   MruBelief belief_;
   double gravity_;
-  ShipAxis axis_model_;
-  std::array<double, ShipStates::kAxes> noise_density_{};
-  std::array<double, ShipStates::kAxes> sd_{};
+  ShipModel model_;
   math::Matrix3d R_WD_;
   Filter filter_;
   Eigen::Vector3d slow_v_ = Eigen::Vector3d::Zero();  ///< what of the velocity is no wave, W [m/s]

@@ -1,6 +1,5 @@
 #include "gateway/estimator/ship_axis.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "gateway/math/riccati.hpp"
@@ -9,34 +8,19 @@ namespace motionlab::estimator {
 
 ShipAxis::ShipAxis(double period_s, double damping) {
   const double w = 2 * std::acos(-1.0) / period_s, z = damping;
-  c_ << w * w * w * w, 4 * z * w * w * w, (2 + 4 * z * z) * w * w, 4 * z * w;
   Eigen::Matrix4d F = Eigen::Matrix4d::Zero();
   F(0, 1) = F(1, 2) = F(2, 3) = 1;
-  F.row(3) = -c_.transpose();
+  F.row(3) << -w * w * w * w, -4 * z * w * w * w, -(2 + 4 * z * z) * w * w, -4 * z * w;
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();
   Q(3, 3) = 1;
   stationary_ = math::solve_lyapunov(F, Q);
-}
-
-ShipAxis::State ShipAxis::propagate(const State& x, double dt) const {
-  // Derivatives 0…9 of x; the equation of motion gives the fourth and all higher ones.
-  std::array<double, 10> d{};
-  for (std::size_t i = 0; i < 4; ++i) d[i] = x[static_cast<Eigen::Index>(i)];
-  for (std::size_t k = 4; k < d.size(); ++k) {
-    d[k] = -(c_[0] * d[k - 4] + c_[1] * d[k - 3] + c_[2] * d[k - 2] + c_[3] * d[k - 1]);
-  }
-  State next;
-  for (std::size_t i = 0; i < 4; ++i) {
-    double sum = 0;
-    for (std::size_t k = d.size() - 1; k > i; --k) sum = (sum + d[k]) * dt / static_cast<double>(k - i);
-    next[static_cast<Eigen::Index>(i)] = d[i] + sum;
-  }
-  return next;
+  taylor_[0].setIdentity();
+  for (std::size_t k = 1; k < taylor_.size(); ++k) taylor_[k] = taylor_[k - 1] * F / static_cast<double>(k);
 }
 
 Eigen::Matrix4d ShipAxis::transition(double dt) const {
-  Eigen::Matrix4d A;
-  for (Eigen::Index i = 0; i < 4; ++i) A.col(i) = propagate(Eigen::Vector4d::Unit(i), dt);
+  Eigen::Matrix4d A = taylor_.back();
+  for (std::size_t k = taylor_.size() - 1; k-- > 0;) A = A * dt + taylor_[k];
   return A;
 }
 

@@ -48,11 +48,13 @@ Eigen::Matrix<double, ThesisEkf35::kMeasured, ThesisEkf35::kStates> ThesisEkf35:
 }
 
 void ThesisEkf35::update(const Measurement& measured) {
+  const State before = state_.x;
+  math::SparseUpdates<kStates, kMeasured> updates(state_);
   for (int i = 0; i < kMeasured; ++i) {
     const int state = kRows[static_cast<std::size_t>(i)];
     math::SparseRow row;
     row.add(state, 1.0);
-    state_.update(row, measured[i] - state_.x[state], variances_[i], std::numeric_limits<double>::infinity());
+    updates.update(row, measured[i] - before[state], variances_[i], std::numeric_limits<double>::infinity());
   }
 }
 

@@ -169,7 +169,10 @@ TEST_F(Replay, AnInputThatIsOneBitOffIsNoticed) {
       return true;
     if (inputs.mru.empty()) return true;
     topic::Mru mru = inputs.mru.back();
-    mru.omega_mru_radps[0] = std::nextafter(mru.omega_mru_radps[0], 1.0);
+    // Each of them: rounding may swallow the last bit of one.
+    for (double& v : mru.omega_mru_radps) v = std::nextafter(v, 1.0);
+    for (double& v : mru.euler_heading_mru_rad) v = std::nextafter(v, 1.0);
+    for (double& v : mru.a_heading_origin_mps2) v = std::nextafter(v, 1.0);
     inputs.mru.clear();
     inputs.mru.push(mru);
     data.resize(record::RunTape::kLargestStep);

@@ -15,23 +15,25 @@ using State = KalmanState<kSize>;
 using Vector = State::Vector;
 using Matrix = State::Matrix;
 
-State random_state(Random& random) {
-  State s;
-  Matrix root;
-  for (int i = 0; i < kSize; ++i) {
+template <int N>
+KalmanState<N> random_state(Random& random) {
+  KalmanState<N> s;
+  typename KalmanState<N>::Matrix root;
+  for (int i = 0; i < N; ++i) {
     s.x[i] = random.normal();
-    for (int j = 0; j < kSize; ++j) root(i, j) = random.normal();
+    for (int j = 0; j < N; ++j) root(i, j) = random.normal();
   }
-  s.P = root * root.transpose() + 0.1 * Matrix::Identity();
+  s.P = root * root.transpose() + 0.1 * KalmanState<N>::Matrix::Identity();
   s.P = (0.5 * (s.P + s.P.transpose())).eval();
   return s;
 }
 
 /// A row of three random entries, sparse and dense.
-std::pair<SparseRow, Vector> random_row(Random& random) {
-  std::pair<SparseRow, Vector> row{{}, Vector::Zero()};
+template <int N>
+std::pair<SparseRow, typename KalmanState<N>::Vector> random_row(Random& random) {
+  std::pair<SparseRow, typename KalmanState<N>::Vector> row{{}, KalmanState<N>::Vector::Zero()};
   for (int k = 0; k < 3; ++k) {
-    const int index = static_cast<int>(random.below(kSize));
+    const int index = static_cast<int>(random.below(N));
     const double value = random.normal();
     row.first.add(index, value);
     row.second[index] += value;
@@ -42,8 +44,8 @@ std::pair<SparseRow, Vector> random_row(Random& random) {
 TEST(SparseKalman, AgreesWithTheDenseJosephForm) {
   Random random(1);
   for (int trial = 0; trial < 200; ++trial) {
-    State dut = random_state(random);
-    const auto [sparse, h] = random_row(random);
+    State dut = random_state<kSize>(random);
+    const auto [sparse, h] = random_row<kSize>(random);
     const double innovation = random.normal(), variance = random.uniform(0.1, 2.0);
     const double s = h.dot(dut.P * h) + variance;
     const Vector K = dut.P * h / s;
@@ -54,6 +56,66 @@ TEST(SparseKalman, AgreesWithTheDenseJosephForm) {
     EXPECT_LT((dut.x - x).cwiseAbs().maxCoeff(), 1e-12 * (1 + x.norm()));
     EXPECT_LT((dut.P - P).cwiseAbs().maxCoeff(), 1e-12 * P.norm());
   }
+}
+
+/// A moment's measurements one by one, each with an innovation of its own, against all of them at once.
+template <int N>
+void expect_one_dense_update(std::uint64_t seed) {
+  constexpr int kRows = 5;
+  Random random(seed);
+  for (int trial = 0; trial < 100; ++trial) {
+    auto dut = random_state<N>(random);
+    const auto before = dut;
+    Eigen::Matrix<double, kRows, N> H;
+    Eigen::Matrix<double, kRows, 1> innovation;
+    Eigen::Matrix<double, kRows, kRows> R = Eigen::Matrix<double, kRows, kRows>::Zero();
+    {
+      SparseUpdates<N, kRows> updates(dut);
+      for (int i = 0; i < kRows; ++i) {
+        const auto [sparse, h] = random_row<N>(random);
+        H.row(i) = h.transpose();
+        innovation[i] = random.normal();
+        R(i, i) = random.uniform(0.1, 2.0);
+        ASSERT_TRUE(updates.update(sparse, innovation[i], R(i, i), 100));
+        ASSERT_EQ(dut.P, before.P) << "until the end";
+      }
+    }
+    const Eigen::Matrix<double, N, kRows> K =
+        before.P * H.transpose() * (H * before.P * H.transpose() + R).inverse();
+    const Eigen::Matrix<double, N, N> I_KH = Eigen::Matrix<double, N, N>::Identity() - K * H;
+    const Eigen::Matrix<double, N, N> P = I_KH * before.P * I_KH.transpose() + K * R * K.transpose();
+    const Eigen::Matrix<double, N, 1> x = before.x + K * innovation;
+    EXPECT_LT((dut.x - x).cwiseAbs().maxCoeff(), 1e-11 * (1 + x.norm()));
+    EXPECT_LT((dut.P - P).cwiseAbs().maxCoeff(), 1e-11 * before.P.norm());
+    EXPECT_EQ(dut.P, dut.P.transpose());
+  }
+}
+
+TEST(SparseKalman, AMomentsMeasurementsAreOneDenseUpdate) {
+  expect_one_dense_update<12>(3);  // whole tiles
+  expect_one_dense_update<13>(4);  // and what is left beside them
+  expect_one_dense_update<3>(5);   // no whole tile
+}
+
+TEST(SparseKalman, WhatIsRefusedTellsTheOthersNothing) {
+  Random random(6);
+  State dut = random_state<kSize>(random), without = dut;
+  const auto [first, h] = random_row<kSize>(random);
+  const auto [last, g] = random_row<kSize>(random);
+  {
+    SparseUpdates<kSize, 3> updates(dut);
+    EXPECT_TRUE(updates.update(first, 0.3, 1, 8));
+    EXPECT_FALSE(updates.update(first, 1e9, 1, 8));
+    EXPECT_FALSE(updates.update(last, std::numeric_limits<double>::quiet_NaN(), 1, 8));
+    EXPECT_TRUE(updates.update(last, -0.2, 1, 8));
+  }
+  {
+    SparseUpdates<kSize, 2> updates(without);
+    updates.update(first, 0.3, 1, 8);
+    updates.update(last, -0.2, 1, 8);
+  }
+  EXPECT_EQ(dut.x, without.x);
+  EXPECT_EQ(dut.P, without.P);
 }
 
 TEST(SparseKalman, ScalarGainIsTheClosedForm) {
@@ -97,9 +159,9 @@ TEST(SparseKalman, RefusesWhatIsNotANumber) {
 
 TEST(SparseKalman, StaysSymmetricAndPositiveDefiniteOverManyUpdates) {
   Random random(2);
-  State dut = random_state(random);
+  State dut = random_state<kSize>(random);
   for (int i = 0; i < 100000; ++i) {
-    const auto [sparse, h] = random_row(random);
+    const auto [sparse, h] = random_row<kSize>(random);
     dut.update(sparse, random.normal(), random.uniform(1e-4, 1.0), 8);
     dut.P.diagonal().array() += 1e-6;
     if (i % 1000 == 0) {
