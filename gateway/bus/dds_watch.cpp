@@ -32,7 +32,6 @@ using eprosima::fastrtps::types::ReturnCode_t;
 constexpr std::size_t kMaxSeen =
     10000;  // of participants, and of endpoints: a stranger may announce any number
 constexpr int kReaderDepth = 64;
-constexpr int kReaderInstances = 1024;
 
 /// The participant that an endpoint belongs to: the first twelve bytes.
 DdsId participant_id(DdsId id) {
@@ -106,9 +105,9 @@ fast::DataReaderQos reader_qos_for(const SeenQos& wanted) {
   qos.ownership().kind = wanted.exclusive ? fast::EXCLUSIVE_OWNERSHIP_QOS : fast::SHARED_OWNERSHIP_QOS;
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = kReaderDepth;
-  qos.resource_limits().max_instances = kReaderInstances;
+  qos.resource_limits().max_instances = kMaxReadInstances;
   qos.resource_limits().max_samples_per_instance = kReaderDepth;
-  qos.resource_limits().max_samples = kReaderInstances * kReaderDepth;
+  qos.resource_limits().max_samples = kMaxReadInstances * kReaderDepth;
   qos.resource_limits().allocated_samples = kReaderDepth;
   qos.data_sharing().off();
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;

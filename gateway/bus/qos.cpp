@@ -16,7 +16,7 @@ int depth_of(QosClass qos) {
 
 // What writer and reader of a class have in common.
 template <class Qos>
-void set_common(const TopicShape& shape, int depth, Qos& qos) {
+void set_common(const TopicShape& shape, int depth, int instances, Qos& qos) {
   const bool reliable = shape.qos != QosClass::sensor;
   const bool kept = shape.qos == QosClass::state || shape.qos == QosClass::event;
 
@@ -25,10 +25,10 @@ void set_common(const TopicShape& shape, int depth, Qos& qos) {
   qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = depth;
   // The default allows ten instances: the eleventh would vanish without a word.
-  qos.resource_limits().max_instances = kMaxDdsInstances;
+  qos.resource_limits().max_instances = instances;
   qos.resource_limits().max_samples_per_instance = depth;
-  qos.resource_limits().max_samples = kMaxDdsInstances * depth;
-  qos.resource_limits().allocated_samples = kMaxDdsInstances;
+  qos.resource_limits().max_samples = instances * depth;
+  qos.resource_limits().allocated_samples = kMaxWrittenInstances;
   qos.ownership().kind = fast::SHARED_OWNERSHIP_QOS;
   qos.data_sharing().off();  // its segments would outlive a killed process
   if (shape.qos == QosClass::sensor && shape.period_s > 0) {
@@ -46,7 +46,7 @@ void set_common(const TopicShape& shape, int depth, Qos& qos) {
 
 fast::DataWriterQos writer_qos(const TopicShape& shape) {
   fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
-  set_common(shape, depth_of(shape.qos), qos);
+  set_common(shape, depth_of(shape.qos), kMaxWrittenInstances, qos);
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_MEMORY_MODE;
   if (shape.qos == QosClass::command) {
@@ -64,7 +64,7 @@ fast::DataReaderQos reader_qos(const TopicShape& shape) {
   // sample only has none for the one it waits for while a later one is there already, and starves under a
   // fast writer.
   const int depth = depth_of(shape.qos);
-  set_common(shape, shape.qos == QosClass::state ? kStateReaderDepth : depth, qos);
+  set_common(shape, shape.qos == QosClass::state ? kStateReaderDepth : depth, kMaxReadInstances, qos);
   // Room for samples that are larger than the type allows: they shall be refused and counted, not vanish.
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;
@@ -72,7 +72,7 @@ fast::DataReaderQos reader_qos(const TopicShape& shape) {
 
 fast::DataReaderQos tap_qos(const TopicShape& shape, int depth) {
   fast::DataReaderQos qos = fast::DATAREADER_QOS_DEFAULT;
-  set_common({shape.qos, 0}, std::max(depth, depth_of(shape.qos)), qos);
+  set_common({shape.qos, 0}, std::max(depth, depth_of(shape.qos)), kMaxReadInstances, qos);
   if (shape.qos ==
       QosClass::command) {  // a reliable reader would cost the writer of commands acknowledgements
     qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;

@@ -25,8 +25,12 @@ inline constexpr Nanoseconds kCommandLiveliness = 200ms;
 inline constexpr Nanoseconds kCommandLifespan = 100ms;
 /// A deadline is this many periods.
 inline constexpr int kDeadlinePeriods = 3;
-/// Instances (devices, bodies, requesters) of one topic that DDS keeps apart.
-inline constexpr int kMaxDdsInstances = 64;
+/// Instances of one topic (devices, bodies) that a writer of ours may have.
+inline constexpr int kMaxWrittenInstances = 64;
+/// Instances that a reader keeps apart, whoever writes them. Far more than anybody means to write: to make
+/// room for one more, Fast DDS 2.9 forgets one whose writer has gone, samples that wait to be taken and all,
+/// and ends the process when it comes to them.
+inline constexpr int kMaxReadInstances = 4096;
 /// The partition of the simulated truth. The gateway never joins it.
 inline constexpr std::string_view kTruthPartition = "truth";
 

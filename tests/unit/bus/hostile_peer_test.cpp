@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,6 +22,8 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
 #include "gateway/bus/dds_bus.hpp"
+#include "gateway/bus/dds_tap.hpp"
+#include "gateway/bus/topic_list.hpp"
 #include "tests/support/own_domain.hpp"
 
 namespace motionlab::bus {
@@ -51,8 +54,13 @@ class AnyBytes final : public fast::TopicDataType {
   }
   void* createData() override { return new Bytes; }
   void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
-  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
-    handle->value[0] = 1;  // a key hash that says nothing about the bytes
+  /// A hash of all bytes, whatever the key is.
+  bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
+    std::size_t n = 0;
+    for (const unsigned char byte : *static_cast<const Bytes*>(data)) {
+      auto& value = handle->value[n++ % 16];
+      value = static_cast<unsigned char>(31 * value + byte + 1);
+    }
     return true;
   }
 };
@@ -72,6 +80,9 @@ class HostilePeer {
     auto* const topic = participant_->create_topic(topic_name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
     fast::DataWriterQos writer_qos = fast::DATAWRITER_QOS_DEFAULT;
     writer_qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    writer_qos.resource_limits().max_instances = 1000;
+    writer_qos.resource_limits().max_samples = 1000;
+    writer_qos.resource_limits().max_samples_per_instance = 1;
     writer_ =
         participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT)->create_datawriter(topic, writer_qos);
   }
@@ -80,6 +91,15 @@ class HostilePeer {
     fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }
   void send(Bytes bytes) { writer_->write(&bytes); }
+  [[nodiscard]] bool has_reader() const {
+    fast::PublicationMatchedStatus status;
+    writer_->get_publication_matched_status(status);
+    return status.current_count > 0;
+  }
+  /// Everything that was sent has arrived.
+  [[nodiscard]] bool heard() {
+    return writer_->wait_for_acknowledgments({60, 0}) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+  }
 
  private:
   fast::DomainParticipant* participant_ = nullptr;
@@ -95,16 +115,44 @@ bool eventually(const std::function<bool()>& condition) {
   return true;
 }
 
-Bytes request(std::size_t requester_size, unsigned char action) {
+Bytes request(const std::string& requester, unsigned char action) {
   Bytes bytes{0, 1, 0, 0};
-  const auto size = static_cast<std::uint32_t>(requester_size + 1);
+  const auto size = static_cast<std::uint32_t>(requester.size() + 1);
   for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<unsigned char>(size >> shift));
-  bytes.insert(bytes.end(), requester_size, 'r');
+  bytes.insert(bytes.end(), requester.begin(), requester.end());
   bytes.push_back(0);
   while ((bytes.size() - 4) % 8 != 0) bytes.push_back(0);
   bytes.insert(bytes.end(), 16, 0);
   bytes.insert(bytes.end(), {action, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   return bytes;
+}
+
+Bytes request(std::size_t requester_size, unsigned char action) {
+  return request(std::string(requester_size, 'r'), action);
+}
+
+TEST(HostilePeer, ThatGoesAndLeavesManyNamesBehindTakesNothingWithIt) {
+  const int domain = test::own_domain();
+  DdsConfig config;
+  config.domain = domain;
+  config.interface_whitelist = {"127.0.0.1"};
+  const std::size_t row = topic_index<topic::ModeRequest>();
+  DdsTap dut{config, {.topics = {row}}};  // takes nothing by itself: the samples wait
+  constexpr int kPeers = 3, kNames = kMaxWrittenInstances;
+  for (int number = 0; number < kPeers; ++number) {
+    {
+      HostilePeer peer{domain, "motionlab/mode_request", topic::ModeRequest::kTypeName};
+      ASSERT_TRUE(eventually([&] { return dut.writers(row) == 1 && peer.has_reader(); }));
+      for (int n = 0; n < kNames; ++n) {
+        peer.send(request("peer " + std::to_string(number) + " name " + std::to_string(n), 1));
+      }
+      ASSERT_TRUE(peer.heard());
+    }
+    ASSERT_TRUE(eventually([&] { return dut.writers(row) == 0; }));
+  }
+  std::set<std::string> names;
+  while (dut.take([&](const TappedSample& sample) { names.emplace(sample.instance); }) > 0) continue;
+  EXPECT_EQ(names.size(), std::size_t{kPeers * kNames});
 }
 
 TEST(HostilePeer, IsSurvivedAndCounted) {
