@@ -23,6 +23,7 @@ constexpr int kHighestPriority = 90;  // the deadman's
 constexpr std::uint64_t kGiga = 1'000'000'000;
 constexpr std::uint64_t kRoomToRecord = 10 * kGiga;
 constexpr double kClockErrorToCompareHosts_s = 0.001;
+constexpr int kPromptAwakening_us = 20;
 
 std::string first_line(const fs::path& file) {
   std::ifstream in(file);
@@ -39,6 +40,27 @@ std::vector<std::string> governors() {
     if (!governor.empty()) all.push_back(governor);
   }
   return all;
+}
+
+/// [us], of the deepest sleep that the kernel chooses.
+int longest_awakening() {
+  int longest = 0;
+  std::error_code none;
+  for (const auto& state : fs::directory_iterator("/sys/devices/system/cpu/cpu0/cpuidle", none)) {
+    const std::string latency = first_line(state.path() / "latency");
+    int us = 0;
+    std::from_chars(latency.data(), latency.data() + latency.size(), us);
+    longest = std::max(longest, us);
+  }
+  return longest;
+}
+
+bool is_guest() {
+  std::ifstream processors("/proc/cpuinfo");
+  for (std::string line; std::getline(processors, line);) {
+    if (line.starts_with("flags") && line.find(" hypervisor") != std::string::npos) return true;
+  }
+  return false;
 }
 
 /// A capability in the effective set of this process.
@@ -111,6 +133,23 @@ void judge_scheduling(const Machine& machine, Findings& say) {
   } else {
     say.push_back({Grade::warn, "memory", "this user cannot lock memory: page faults delay control",
                    "start it by systemctl, whose unit asks for LimitMEMLOCK=infinity"});
+  }
+}
+
+void judge_sleep(const Machine& machine, const service::GatewayConfig& config, Findings& say) {
+  if (config.control_awake) {
+    say.push_back(
+        {Grade::pass, "sleep", "processor " + std::to_string(config.control_cpu) + " is kept awake", ""});
+  } else if (machine.is_virtual || machine.wakes_after_us > kPromptAwakening_us) {
+    say.push_back({Grade::warn, "sleep",
+                   machine.is_virtual
+                       ? "a virtual machine: a processor that idles is given to others, and comes back late"
+                       : "a processor needs " + std::to_string(machine.wakes_after_us) +
+                             " us to wake from its deepest sleep",
+                   "give control a processor of its own and keep it awake: [control] cpu and awake = true"});
+  } else {
+    say.push_back({Grade::pass, "sleep",
+                   "a processor wakes within " + std::to_string(machine.wakes_after_us) + " us", ""});
   }
 }
 
@@ -220,6 +259,8 @@ Machine look_at_machine(const service::GatewayConfig& config) {
   machine.processors = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
   machine.isolated = processor_list(first_line("/sys/devices/system/cpu/isolated"));
   machine.governors = governors();
+  machine.is_virtual = is_guest();
+  machine.wakes_after_us = longest_awakening();
   machine.grants_fifo = capable(kCapSysNice) || limit(RLIMIT_RTPRIO) >= kHighestPriority;
   machine.grants_lock = capable(kCapIpcLock) || limit(RLIMIT_MEMLOCK) == RLIM_INFINITY;
   look_at_clock(machine);
@@ -232,6 +273,7 @@ Findings judge(const Machine& machine, const service::GatewayConfig& config) {
   Findings say;
   judge_scheduling(machine, say);
   judge_processors(machine, config, say);
+  judge_sleep(machine, config, say);
   judge_clock(machine, say);
   judge_storage(machine, say);
   return say;

@@ -19,6 +19,8 @@ struct Machine {
   int processors = 1;
   std::vector<int> isolated;           ///< processors that the scheduler leaves alone
   std::vector<std::string> governors;  ///< of frequency, one per processor that has one
+  bool is_virtual = false;             ///< a guest, whose idle processors are given to others
+  int wakes_after_us = 0;              ///< from a processor's deepest sleep, as the kernel knows it
   bool grants_fifo = false;            ///< SCHED_FIFO at the priority of the deadman, to whoever asks here
   bool grants_lock = false;            ///< all of a process' memory may be locked
   std::string clock_source;

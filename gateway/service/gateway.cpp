@@ -10,6 +10,7 @@
 #include <chrono>
 #include <ctime>
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "drivers/core/asio_network.hpp"
@@ -181,6 +182,7 @@ struct Gateway::Impl {
   boost::asio::posix::stream_descriptor deadman_end;
   std::thread io_thread;
   std::thread control_thread;
+  std::optional<AwakeProcessor> awake;
   std::optional<record::RunRecorder> recorder;
   std::thread record_thread;
   std::atomic<bool> recorded{false};  ///< the control thread has taken its last step
@@ -204,10 +206,12 @@ std::vector<std::string> Gateway::start() {
     if (!sentence.empty()) refused.push_back(std::move(sentence));
   };
   note(lock_memory());
+  leave_processor(impl_->config.control_cpu);
   impl_->dds.start();
   if (impl_->recorder) impl_->record_thread = std::thread(&Impl::run_recorder, impl_.get());
   note(impl_->launch(impl_->io_thread, &Impl::run_io));
   note(impl_->launch(impl_->control_thread, &Impl::run_control));
+  if (impl_->config.control_awake) note(impl_->awake.emplace(impl_->config.control_cpu).refused());
   return refused;
 }
 
@@ -237,6 +241,7 @@ bool Gateway::stop(Nanoseconds patience) {
   }
   g.stopping.store(true);
   g.control_thread.join();
+  g.awake.reset();
   g.recorded.store(true, std::memory_order_release);
   if (g.record_thread.joinable()) g.record_thread.join();
   boost::asio::post(g.io, [&g] { g.io.stop(); });

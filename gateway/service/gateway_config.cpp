@@ -361,6 +361,9 @@ GatewayConfig read(const TomlDocument& document) {
   config.control_period_s = control.number("period_s", {0.0005, 0.01});
   config.control_cpu = static_cast<int>(control.integer("cpu", {-1, 1023}));
   config.io_cpu = static_cast<int>(control.integer("io_cpu", {-1, 1023}));
+  config.control_awake = control.boolean_or("awake", false);  // recordings of before it have none
+  if (config.control_awake && config.control_cpu < 0)
+    control.fail("awake", "no processor is chosen that could be kept awake; choose one with cpu");
   constexpr std::array ladder{topic::Authority::observe, topic::Authority::shadow, topic::Authority::limited,
                               topic::Authority::full};
   config.authority = ladder[control.choice("authority", {"observe", "shadow", "limited", "full"})];

@@ -101,6 +101,7 @@ struct GatewayConfig {
   double control_period_s = 0.001;
   int control_cpu = -1;  ///< the processor that the control thread has; -1: any. Likewise the io thread
   int io_cpu = -1;
+  bool control_awake = false;  ///< control's processor never sleeps between two steps, and costs its power
   topic::Authority authority = topic::Authority::full;
   bus::DdsConfig bus;
   std::vector<MruLink> mrus;  ///< the first on the crane's ship, the last on the second ship

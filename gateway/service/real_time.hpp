@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "drivers/core/time.hpp"
@@ -14,6 +15,24 @@ namespace motionlab::service {
 /// Names the calling thread, asks for SCHED_FIFO and for prompt timers, for one processor if `cpu` is not
 /// negative, and touches its stack. @returns as above
 [[nodiscard]] std::string become_real_time(const char* name, int priority, int cpu);
+
+/// Keeps a processor from falling asleep for as long as this lives: a thread named "awake" turns on it while
+/// nobody else wants it (SCHED_IDLE). A processor that idles is given up by a virtual machine, or sleeps
+/// deeply: it wakes late, and its caches have been another's. Costs the power of a busy one.
+class AwakeProcessor {
+ public:
+  explicit AwakeProcessor(int cpu);
+  /// @returns as above; it then lets the processor sleep
+  [[nodiscard]] const std::string& refused() const { return refused_; }
+
+ private:
+  std::string refused_;
+  std::jthread thread_;
+};
+
+/// Leaves processor `cpu` to the threads that ask for it by number: takes it from the calling thread and from
+/// those it will start. Does nothing if `cpu` is negative or there is no other.
+void leave_processor(int cpu);
 
 /// Of the calling thread since it began, minor and major.
 [[nodiscard]] std::uint64_t page_faults();

@@ -31,14 +31,17 @@ class TimeHistogram {
   [[nodiscard]] static double upper_us(std::size_t bucket) noexcept {
     return std::exp2(0.25 * static_cast<double>(bucket));
   }
-  /// The time that a share q of all did not exceed, to a bucket's width; 0 when nothing was counted.
+  /// The time that a share q of all did not exceed, as if what lies in a bucket were spread evenly in it (in
+  /// octaves); 0 when nothing was counted.
   [[nodiscard]] static double quantile_us(const Counts& counts, double q) noexcept {
     std::uint64_t all = 0, below = 0;
     for (const auto count : counts) all += count;
     if (all == 0) return 0.0;
     for (std::size_t i = 0; i < kBuckets; ++i) {
+      const double wanted = q * static_cast<double>(all) - static_cast<double>(below);
       below += counts[i];
-      if (static_cast<double>(below) >= q * static_cast<double>(all)) return upper_us(i);
+      if (counts[i] > 0 && wanted <= static_cast<double>(counts[i]))
+        return upper_us(i) * std::exp2(0.25 * (wanted / static_cast<double>(counts[i]) - 1.0));
     }
     return upper_us(kBuckets - 1);
   }

@@ -103,6 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "overlay.toml:2:",
                 {"qd_max_degps", "6"}},
         Mistake{"UnknownWord", "[control]\nauthority = \"max\"\n", "overlay.toml:2:", {"authority", "full"}},
+        Mistake{"AwakeWithoutAProcessor", "[control]\nawake = true\n", "overlay.toml:2:", {"awake", "cpu"}},
         Mistake{"BadToken", "[mru1]\ntoken = 256\n", "overlay.toml:2:", {"token", "255"}},
         Mistake{"BadSign", "[winch]\npay_out_sign = 0.5\n", "overlay.toml:2:", {"pay_out_sign"}},
         Mistake{

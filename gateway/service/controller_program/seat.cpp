@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <optional>
 
 #include "gateway/service/log/log.hpp"
 #include "gateway/service/real_time.hpp"
@@ -60,6 +61,9 @@ void Seat::control(std::stop_token stop) {
 bool Seat::run(bool engage) {
   const sigset_t signals = block_signals();
   tell_refused(lock_memory());
+  leave_processor(config_.control_cpu);
+  std::optional<AwakeProcessor> awake;
+  if (config_.control_awake) tell_refused(awake.emplace(config_.control_cpu).refused());
   dds_.start();
   const std::jthread thread([this](std::stop_token stop) { control(std::move(stop)); });
   say(LogLevel::info, "controller", "running",

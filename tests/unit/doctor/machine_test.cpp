@@ -20,6 +20,7 @@ Machine a_good_one() {
   machine.processors = 4;
   machine.isolated = {2, 3};
   machine.governors = {"performance", "performance", "performance", "performance"};
+  machine.wakes_after_us = 2;
   machine.grants_fifo = machine.grants_lock = true;
   machine.clock_source = "tsc";
   machine.clock_disciplined = true;
@@ -53,6 +54,8 @@ TEST(DoctorsMachine, ThatIsNotIsToldWhatItLacksAndHowToGetIt) {
       {"scheduling", "SCHED_FIFO", Grade::warn, [](Machine& m) { m.grants_fifo = false; }},
       {"memory", "cannot lock", Grade::warn, [](Machine& m) { m.grants_lock = false; }},
       {"governor", "powersave", Grade::warn, [](Machine& m) { m.governors[2] = "powersave"; }},
+      {"sleep", "a virtual machine", Grade::warn, [](Machine& m) { m.is_virtual = true; }},
+      {"sleep", "needs 170 us", Grade::warn, [](Machine& m) { m.wakes_after_us = 170; }},
       {"[control] cpu", "processor 3 is not here", Grade::fail, [](Machine& m) { m.processors = 3; }},
       {"[control] io_cpu", "shared with other programs; isolated: 3", Grade::warn,
        [](Machine& m) { m.isolated = {3}; }},
@@ -75,6 +78,15 @@ TEST(DoctorsMachine, ThatIsNotIsToldWhatItLacksAndHowToGetIt) {
     EXPECT_FALSE(found->fix.empty()) << each.subject;
     EXPECT_EQ(worst(findings), each.grade);
   }
+}
+
+TEST(DoctorsMachine, ThatSleepsDoesNotMatterToAProcessorThatIsKeptAwake) {
+  Machine machine = a_good_one();
+  machine.is_virtual = true;
+  machine.wakes_after_us = 170;
+  auto config = with_own_processors();
+  config.control_awake = true;
+  EXPECT_EQ(worst(judge(machine, config)), Grade::pass);
 }
 
 TEST(DoctorsMachine, WithoutAChoiceOfProcessorsIsNotAskedForAny) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <limits>
 
 #include "drivers/core/random.hpp"
@@ -12,21 +12,39 @@ namespace {
 
 constexpr int kSize = 12;
 using State = KalmanState<kSize>;
-using Vector = State::Vector;
-using Matrix = State::Matrix;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 template <int N>
 KalmanState<N> random_state(Random& random) {
   KalmanState<N> s;
-  typename KalmanState<N>::Matrix root;
+  MatrixXd root(N, N);
   for (int i = 0; i < N; ++i) {
     s.x[i] = random.normal();
     for (int j = 0; j < N; ++j) root(i, j) = random.normal();
   }
-  s.P = root * root.transpose() + 0.1 * KalmanState<N>::Matrix::Identity();
-  s.P = (0.5 * (s.P + s.P.transpose())).eval();
+  const MatrixXd P = root * root.transpose();
+  s.P = 0.5 * (P + P.transpose());
+  s.P.diagonal().array() += 0.1;
   return s;
 }
+
+/// One update with all rows of H, by Joseph's form.
+struct DenseUpdate {
+  VectorXd x;
+  MatrixXd P;
+
+  DenseUpdate(const VectorXd& x_before, const MatrixXd& P_before, const MatrixXd& H,
+              const VectorXd& innovation, const MatrixXd& R) {
+    const MatrixXd HP = H * P_before;
+    const MatrixXd S = HP * H.transpose() + R;
+    const MatrixXd K = S.llt().solve(HP).transpose();
+    const MatrixXd I_KH = MatrixXd::Identity(P_before.rows(), P_before.cols()) - K * H;
+    const MatrixXd half = I_KH * P_before, KR = K * R;
+    x = x_before + K * innovation;
+    P = half * I_KH.transpose() + KR * K.transpose();
+  }
+};
 
 /// A row of three random entries, sparse and dense.
 template <int N>
@@ -47,14 +65,11 @@ TEST(SparseKalman, AgreesWithTheDenseJosephForm) {
     State dut = random_state<kSize>(random);
     const auto [sparse, h] = random_row<kSize>(random);
     const double innovation = random.normal(), variance = random.uniform(0.1, 2.0);
-    const double s = h.dot(dut.P * h) + variance;
-    const Vector K = dut.P * h / s;
-    const Matrix I_KH = Matrix::Identity() - K * h.transpose();
-    const Matrix P = I_KH * dut.P * I_KH.transpose() + variance * K * K.transpose();
-    const Vector x = dut.x + K * innovation;
+    const DenseUpdate expected(dut.x, dut.P, h.transpose(), VectorXd::Constant(1, innovation),
+                               MatrixXd::Constant(1, 1, variance));
     ASSERT_TRUE(dut.update(sparse, innovation, variance, 100));
-    EXPECT_LT((dut.x - x).cwiseAbs().maxCoeff(), 1e-12 * (1 + x.norm()));
-    EXPECT_LT((dut.P - P).cwiseAbs().maxCoeff(), 1e-12 * P.norm());
+    EXPECT_LT((dut.x - expected.x).cwiseAbs().maxCoeff(), 1e-12 * (1 + expected.x.norm()));
+    EXPECT_LT((dut.P - expected.P).cwiseAbs().maxCoeff(), 1e-12 * expected.P.norm());
   }
 }
 
@@ -66,9 +81,8 @@ void expect_one_dense_update(std::uint64_t seed) {
   for (int trial = 0; trial < 100; ++trial) {
     auto dut = random_state<N>(random);
     const auto before = dut;
-    Eigen::Matrix<double, kRows, N> H;
-    Eigen::Matrix<double, kRows, 1> innovation;
-    Eigen::Matrix<double, kRows, kRows> R = Eigen::Matrix<double, kRows, kRows>::Zero();
+    MatrixXd H(kRows, N), R = MatrixXd::Zero(kRows, kRows);
+    VectorXd innovation(kRows);
     {
       SparseUpdates<N, kRows> updates(dut);
       for (int i = 0; i < kRows; ++i) {
@@ -80,13 +94,9 @@ void expect_one_dense_update(std::uint64_t seed) {
         ASSERT_EQ(dut.P, before.P) << "until the end";
       }
     }
-    const Eigen::Matrix<double, N, kRows> K =
-        before.P * H.transpose() * (H * before.P * H.transpose() + R).inverse();
-    const Eigen::Matrix<double, N, N> I_KH = Eigen::Matrix<double, N, N>::Identity() - K * H;
-    const Eigen::Matrix<double, N, N> P = I_KH * before.P * I_KH.transpose() + K * R * K.transpose();
-    const Eigen::Matrix<double, N, 1> x = before.x + K * innovation;
-    EXPECT_LT((dut.x - x).cwiseAbs().maxCoeff(), 1e-11 * (1 + x.norm()));
-    EXPECT_LT((dut.P - P).cwiseAbs().maxCoeff(), 1e-11 * before.P.norm());
+    const DenseUpdate expected(before.x, before.P, H, innovation, R);
+    EXPECT_LT((dut.x - expected.x).cwiseAbs().maxCoeff(), 1e-11 * (1 + expected.x.norm()));
+    EXPECT_LT((dut.P - expected.P).cwiseAbs().maxCoeff(), 1e-11 * before.P.norm());
     EXPECT_EQ(dut.P, dut.P.transpose());
   }
 }

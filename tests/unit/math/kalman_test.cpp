@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
+using Eigen::VectorXd;
 
 constexpr double kGravity = 9.81;
 
@@ -30,13 +31,17 @@ Eigen::Matrix<double, Rows, Columns> random_matrix(Random& random) {
   return M;
 }
 
+MatrixXd random_covariance(Eigen::Index size, Random& random) {
+  const MatrixXd root = MatrixXd::NullaryExpr(size, size, [&] { return random.normal(); });
+  const MatrixXd P = root * root.transpose() + 0.1 * MatrixXd::Identity(size, size);
+  return 0.5 * (P + P.transpose());
+}
+
 template <int N>
 KalmanState<N> random_state(Random& random) {
-  const auto root = random_matrix<N, N>(random);
   KalmanState<N> s;
+  s.P = random_covariance(N, random);
   s.x = random_matrix<N, 1>(random);
-  s.P = root * root.transpose() + 0.1 * Eigen::Matrix<double, N, N>::Identity();
-  s.P = (0.5 * (s.P + s.P.transpose())).eval();
   return s;
 }
 
@@ -78,21 +83,25 @@ TEST(Kalman, UpdateIsTheInformationFormOfADenseReference) {
   for (int trial = 0; trial < 200; ++trial) {
     auto dut = random_state<10>(random);
     const auto H = random_matrix<5, 10>(random);
-    const auto root = random_matrix<5, 5>(random);
-    const Eigen::Matrix<double, 5, 5> R = root * root.transpose() + 0.1 * MatrixXd::Identity(5, 5);
-    const auto z = random_matrix<5, 1>(random);
+    const MatrixXd R = random_covariance(5, random);
+    const VectorXd z = random_matrix<5, 1>(random);
     // P⁺ = (P⁻¹ + HᵀR⁻¹H)⁻¹, x⁺ = P⁺ (P⁻¹x + HᵀR⁻¹z): shares no step with the gain form.
-    const MatrixXd P0 = dut.P, R0 = R, H0 = H;
-    const MatrixXd P = (P0.inverse() + H0.transpose() * R0.inverse() * H0).inverse();
-    const MatrixXd x = P * (P0.inverse() * dut.x + H0.transpose() * R0.inverse() * z);
-    const Eigen::Matrix<double, 5, 1> innovation = z - H * dut.x;
-    const MatrixXd S = H0 * P0 * H0.transpose() + R0;
+    const MatrixXd P0 = dut.P, H0 = H;
+    const VectorXd x0 = dut.x;
+    const MatrixXd prior = P0.inverse(), weighted = R.inverse() * H0;
+    const MatrixXd information = prior + H0.transpose() * weighted;
+    const MatrixXd P = information.inverse();
+    const VectorXd told = prior * x0 + weighted.transpose() * z;
+    const VectorXd x = P * told, innovation = z - H0 * x0;
+    const MatrixXd PHt = P0 * H0.transpose();
+    const MatrixXd S = H0 * PHt + R;
+    const VectorXd normalised = S.inverse() * innovation;
     const auto done = update<10, 5>(dut, H, innovation, R);
     ASSERT_TRUE(done);
     EXPECT_LT((dut.P - P).norm(), 1e-9 * P.norm());
     EXPECT_LT((dut.x - x).norm(), 1e-9 * (1 + x.norm()));
     EXPECT_LT((done->S - S).norm(), 1e-13 * S.norm());
-    EXPECT_NEAR(done->nis, innovation.dot(S.inverse() * innovation), 1e-9 * (1 + done->nis));
+    EXPECT_NEAR(done->nis, innovation.dot(normalised), 1e-9 * (1 + done->nis));
     EXPECT_EQ(dut.P, dut.P.transpose());
   }
 }
@@ -137,13 +146,12 @@ TEST(Kalman, JosephsFormStaysPositiveWhereTheShortFormFails) {
 
 TEST(Kalman, RefusesWhatIsNotFiniteOrHasNoVariance) {
   Random random(4);
-  auto dut = random_state<3>(random);
+  auto dut = random_state<2>(random);
   const auto before = dut;
-  const Eigen::Matrix<double, 1, 3> H(1, 0, 0);
-  using One = Eigen::Matrix<double, 1, 1>;
-  EXPECT_FALSE((update<3, 1>(dut, H, One(std::numeric_limits<double>::quiet_NaN()), One::Identity())));
-  EXPECT_FALSE((update<3, 1>(dut, H, One(std::numeric_limits<double>::infinity()), One::Identity())));
-  EXPECT_FALSE((update<3, 1>(dut, H, One(1.0), One(-1e9))));
+  const Eigen::Matrix2d H = Eigen::Matrix2d::Identity(), R = H, negative = -1e9 * H;
+  EXPECT_FALSE((update<2, 2>(dut, H, {0, std::numeric_limits<double>::quiet_NaN()}, R)));
+  EXPECT_FALSE((update<2, 2>(dut, H, {std::numeric_limits<double>::infinity(), 0}, R)));
+  EXPECT_FALSE((update<2, 2>(dut, H, {1, 1}, negative)));
   EXPECT_EQ(dut.x, before.x);
   EXPECT_EQ(dut.P, before.P);
 }
@@ -154,11 +162,13 @@ TEST(Kalman, PredictionIsTheDenseFormula) {
   const auto before = dut;
   const auto F = random_matrix<10, 10>(random);
   const auto b = random_matrix<10, 1>(random);
-  const auto root = random_matrix<10, 10>(random);
-  const Eigen::Matrix<double, 10, 10> Q = root * root.transpose();
+  const MatrixXd Q = random_covariance(10, random);
   predict<10>(dut, F, b, Q);
-  EXPECT_LT((dut.x - (F * before.x + b)).norm(), 1e-13);
-  EXPECT_LT((dut.P - (F * before.P * F.transpose() + Q)).norm(), 1e-12 * dut.P.norm());
+  const MatrixXd F0 = F, P0 = before.P, FP = F0 * P0;
+  const MatrixXd P = FP * F0.transpose() + Q;
+  const VectorXd x0 = before.x, x = F0 * x0 + b;
+  EXPECT_LT((dut.x - x).norm(), 1e-13);
+  EXPECT_LT((dut.P - P).norm(), 1e-12 * dut.P.norm());
   EXPECT_EQ(dut.P, dut.P.transpose());
 }
 
