@@ -66,10 +66,10 @@ void ControlLoop::step(LabTime t) {
 }
 
 void ControlLoop::step(const topic::Snapshot& inputs) {
+  const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
   if (tape_) tape_->begin(inputs);
   const LabTime t = from_ns(inputs.t_ns);
-  const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
   // By now the drivers brake arm and winch by themselves: nothing of the last command is in force, and what
@@ -92,9 +92,11 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   const auto wish = this->wish(now, estimate);
   const auto guarded = guard(now, wish, dt);
   command(now, guarded);
-  publish_estimate_.publish(estimate);
 
   topic::Control control;
+  if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
+  if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
+  publish_estimate_.publish(estimate);
   control.sequence_number = ++steps_;
   control.t_snapshot_ns = to_ns(t);
   control.following = guarded.follow;
@@ -111,8 +113,6 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   control.age_arm_s = age_s(now.arm, t);
   control.age_winch_s = age_s(now.winch, t);
   Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = own_.servo_omega_radps();
-  if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
-  if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   publish_control_.publish(control);
   tell_mode(t);
   if (tape_) tape_->end();
