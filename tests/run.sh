@@ -100,12 +100,16 @@ export -f run_program
 
 passed=0 failed=0 failures=()
 
-# Passed and failed tests in a log: of CTest, of GoogleTest, of the functions above.
+# Passed and failed tests in a log: as CTest sums them up, else of GoogleTest and of the functions above. What CTest quotes of a
+# test that it then tried again is not counted.
 count() {
   awk '
     match($0, /[0-9]+ tests failed out of [0-9]+/) {
+      if (!summed) good = bad = 0
+      summed = 1
       split(substr($0, RSTART), word, " "); bad += word[1]; good += word[6] - word[1]
     }
+    summed { next }
     /^\[  PASSED  \] [0-9]+ test/ { good += $4 }
     /^\[  FAILED  \] [0-9]+ test.*listed below/ { bad += $4; named = 1 }
     /^ok / { good += 1 }
