@@ -69,6 +69,7 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   const std::int64_t computed = processor_time_ ? processor_time_() : 0;
   const std::int64_t begun = stopwatch_ ? stopwatch_() : 0;
   if (tape_) tape_->begin(inputs);
+  ++steps_;
   const LabTime t = from_ns(inputs.t_ns);
   const double dt = stepped_ ? seconds(t - *stepped_) : config_.control_period_s;
   stepped_ = t;
@@ -93,26 +94,10 @@ void ControlLoop::step(const topic::Snapshot& inputs) {
   const auto guarded = guard(now, wish, dt);
   command(now, guarded);
 
-  topic::Control control;
+  topic::Control control = account(now, wish, guarded);
   if (stopwatch_) control.step_time_us = 1e-3 * static_cast<double>(stopwatch_() - begun);
   if (processor_time_) control.step_cpu_us = 1e-3 * static_cast<double>(processor_time_() - computed);
   publish_estimate_.publish(estimate);
-  control.sequence_number = ++steps_;
-  control.t_snapshot_ns = to_ns(t);
-  control.following = guarded.follow;
-  if (wish) {
-    control.qd_wish_radps = wish->qd_radps;
-    control.wire_speed_wish_mps = wish->wire_speed_mps;
-  }
-  control.qd_command_radps = guarded.qd_radps;
-  control.wire_speed_command_mps = guarded.wire_speed_mps;
-  control.guard_changed = guarded.changed;
-  control.guard_changed_count = guard_.changed_count();
-  control.age_mru_s = age_s(now.mru, t);
-  control.age_bodies_s = age_s(now.load, t);
-  control.age_arm_s = age_s(now.arm, t);
-  control.age_winch_s = age_s(now.winch, t);
-  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = own_.servo_omega_radps();
   publish_control_.publish(control);
   tell_mode(t);
   if (tape_) tape_->end();
@@ -165,7 +150,7 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
   topic::ArmCommand arm;
   arm.device = config_.comau.driver.device;
   arm.requester = kGatewayRequester;
-  arm.sequence_number = steps_ + 1;
+  arm.sequence_number = steps_;
   arm.t_created_ns = to_ns(now.t);
   arm.follow = guarded.follow;
   arm.qd_wanted_radps = guarded.qd_radps;
@@ -174,7 +159,7 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
   topic::WinchCommand winch;
   winch.device = config_.winch.driver.device;
   winch.requester = kGatewayRequester;
-  winch.sequence_number = steps_ + 1;
+  winch.sequence_number = steps_;
   winch.t_created_ns = to_ns(now.t);
   const bool moving = engaged || guarded.wire_speed_mps != 0;
   const bool powered = modes_.state() == ModeState::engaged || modes_.state() == ModeState::stopping ||
@@ -186,6 +171,28 @@ void ControlLoop::command(const Snapshot& now, const controller::GuardedCommand&
   winch.reset = modes_.state() == ModeState::engaged && now.winch && !now.winch->enabled;
   winch.wire_speed_wanted_mps = guarded.wire_speed_mps;
   publish_winch_.publish(winch);
+}
+
+topic::Control ControlLoop::account(const Snapshot& now, const std::optional<controller::Wish>& wish,
+                                    const controller::GuardedCommand& guarded) const {
+  topic::Control control;
+  control.sequence_number = steps_;
+  control.t_snapshot_ns = to_ns(now.t);
+  control.following = guarded.follow;
+  if (wish) {
+    control.qd_wish_radps = wish->qd_radps;
+    control.wire_speed_wish_mps = wish->wire_speed_mps;
+  }
+  control.qd_command_radps = guarded.qd_radps;
+  control.wire_speed_command_mps = guarded.wire_speed_mps;
+  control.guard_changed = guarded.changed;
+  control.guard_changed_count = guard_.changed_count();
+  control.age_mru_s = age_s(now.mru, now.t);
+  control.age_bodies_s = age_s(now.load, now.t);
+  control.age_arm_s = age_s(now.arm, now.t);
+  control.age_winch_s = age_s(now.winch, now.t);
+  Eigen::Map<Eigen::Vector3d>(control.servo_omega_radps.data()) = own_.servo_omega_radps();
+  return control;
 }
 
 void ControlLoop::tell_time(LabTime t) {

@@ -66,6 +66,9 @@ class ControlLoop {
   [[nodiscard]] controller::GuardedCommand guard(const Snapshot& snapshot,
                                                  const std::optional<controller::Wish>& wish, double dt_s);
   void command(const Snapshot& snapshot, const controller::GuardedCommand& guarded);
+  /// Of this step, all but how long it took.
+  [[nodiscard]] topic::Control account(const Snapshot& snapshot, const std::optional<controller::Wish>& wish,
+                                       const controller::GuardedCommand& guarded) const;
   void tell_mode(LabTime t);
   void tell_time(LabTime t);
 
